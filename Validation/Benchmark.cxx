@@ -8,8 +8,8 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/PosedBreast.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/StudyCase.h"
@@ -95,7 +95,7 @@ public:
     {
       if (*view)
       {
-        fs::copy_file((*view)->File, this->Folder + '/' + name + ".dcm");
+        fs::copy_file((*view)->Header.Path, this->Folder + '/' + name + ".dcm");
       }
     }
     std::string points = "point,x,y,z\n";
@@ -119,7 +119,7 @@ public:
     std::vector<StudyAnswer> answers;
     for (const auto* view : { &this->Choice.Cc, &this->Choice.Mlo })
     {
-      const Mammogram mammogram = ReadMammogram((*view)->File);
+      const Mammogram mammogram = ReadMammogram((*view)->Header.Path);
       const RegistrationTarget target = PrepareTarget(mammogram, options);
       UnitPlacement placement{ axes, FindPoseAnchor(this->Tissue.Breast, held, axes), {} };
       placement.Unit.SourceToDetectorMm =
@@ -133,7 +133,7 @@ public:
       {
         const Vector3& at = moved[point];
         answers.push_back(
-          { (*view)->View, point, target.Grid.IndexOf(ShadowOf(at, placement.Unit)), at });
+          { (*view)->Header.View, point, target.Grid.IndexOf(ShadowOf(at, placement.Unit)), at });
       }
     }
     return answers;

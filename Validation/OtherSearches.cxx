@@ -62,6 +62,7 @@ public:
     }
     Place first = this->At(start, nullptr);
     this->Keep(first);
+    this->Result.Before = this->SimilarityOfBest();
     return first;
   }
 

@@ -3,6 +3,7 @@
 #define mammoray_Validation_SimulatedMammogram_h
 
 #include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 
 #include <array>
 #include <cstdint>

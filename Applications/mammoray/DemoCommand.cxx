@@ -16,11 +16,15 @@ namespace
 struct DemoArguments
 {
   std::string Output = "demo-result";
+  std::string Device;
+  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, DemoArguments& arguments)
 {
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html");
+  AddDeviceOption(add, arguments.Device);
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 /// Runs one of the two commands as a user would write it, and shows how.
@@ -45,11 +49,11 @@ void Run(DemoArguments& arguments)
   const std::string folder = DataDirectory() + "/victre-phantom-1";
   std::vector<std::string> words{ "register", "--config", folder + "/register.json", "--output",
     arguments.Output };
-  if (const std::string& device = Program().Projector.Device; !device.empty())
+  if (!arguments.Device.empty())
   {
-    words.insert(words.end(), { "--device", device });
+    words.insert(words.end(), { "--device", arguments.Device });
   }
-  if (Program().Overwrite)
+  if (arguments.Overwrite)
   {
     words.emplace_back("--overwrite");
   }

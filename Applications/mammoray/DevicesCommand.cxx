@@ -9,15 +9,12 @@ namespace mammoray
 {
 namespace
 {
-struct DevicesArguments
+void Declare(const OptionList& add, ProjectorOptions& options)
 {
-};
-
-void Declare(const OptionList&, DevicesArguments&)
-{
+  AddProjectorOptions(add, options);
 }
 
-void Run(DevicesArguments&)
+void Run(ProjectorOptions& options)
 {
   std::string reason;
   const std::vector<DeviceDescription> devices = ListDevices(&reason);
@@ -32,7 +29,7 @@ void Run(DevicesArguments&)
       device.RayTracing ? "yes" : "no");
   }
   // Making the projector is the proof that the device can be used.
-  const auto projector = MakeProjector(Program().Projector);
+  const auto projector = MakeProjector(options);
   std::printf("chosen: %s, %s\n", projector->DeviceName().c_str(),
     MethodName(projector->Method()).c_str());
 }
@@ -40,7 +37,7 @@ void Run(DevicesArguments&)
 
 void AddDevicesCommand(CLI::App& application)
 {
-  AddCommand<DevicesArguments>(application, "devices",
+  AddCommand<ProjectorOptions>(application, "devices",
     "Vulkan devices of this machine, and the one that would be used.", Declare, Run);
 }
 }

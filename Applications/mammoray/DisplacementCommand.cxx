@@ -20,6 +20,7 @@ struct DisplacementArguments
   double SpacingMm = 2;
   double MarginMm = 10;
   std::string Output;
+  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, DisplacementArguments& arguments)
@@ -37,12 +38,13 @@ void Declare(const OptionList& add, DisplacementArguments& arguments)
   add("-o,--output", arguments.Output,
     "displacement field (.nrrd .mha .nii.gz) or ITK transform (.h5 .tfm)\n(mm, LPS, of points)")
     ->required();
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(DisplacementArguments& arguments)
 {
   CheckDisplacementExtension(arguments.Output);
-  CheckOutputFile(arguments.Output);
+  CheckOutputFile(arguments.Output, arguments.Overwrite);
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));

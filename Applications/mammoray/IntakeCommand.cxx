@@ -18,6 +18,7 @@ struct IntakeArguments
   std::string Folder;
   std::optional<char> Side;
   std::string Json;
+  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, IntakeArguments& arguments)
@@ -26,21 +27,22 @@ void Declare(const OptionList& add, IntakeArguments& arguments)
     ->required();
   AddSideOption(add, arguments.Side);
   add("--json", arguments.Json, "write the same there, with the names of all files (.json)");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(IntakeArguments& arguments)
 {
   if (!arguments.Json.empty())
   {
-    CheckOutputFile(arguments.Json, ".json", "a listing");
+    CheckOutputFile(arguments.Json, arguments.Overwrite, ".json", "a listing");
   }
-  const Study study = ReadStudy(arguments.Folder, MakeProgressBar());
-  const StudyChoice choice = ChooseForRegistration(study, arguments.Side);
+  const StudyChoice choice =
+    ChooseForRegistration(ReadStudy(arguments.Folder, MakeProgressBar()), arguments.Side);
   if (!arguments.Json.empty())
   {
-    WriteAtomicFile(arguments.Json, StudyJson(study, choice));
+    WriteAtomicFile(arguments.Json, StudyJson(choice));
   }
-  std::fputs(StudyListing(study, choice).c_str(), stdout);
+  std::fputs(StudyListing(choice).c_str(), stdout);
   std::fflush(stdout);
   choice.Require(); // whose line is all there is to say then
   for (const std::string& warning : choice.Warnings)

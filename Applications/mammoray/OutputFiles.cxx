@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "OutputFiles.h"
 
-#include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
@@ -89,7 +88,7 @@ void CheckInputFileIfAny(const std::string& path)
   }
 }
 
-void CheckOutputPlace(const std::string& path)
+void CheckOutputPlace(const std::string& path, bool overwrite)
 {
   const auto require = [&](bool condition, const std::string& otherwise)
   {
@@ -103,16 +102,17 @@ void CheckOutputPlace(const std::string& path)
   require(fs::is_directory(folder), "there is no folder " + folder.string());
   require(access(folder.c_str(), W_OK) == 0, "the folder " + folder.string() + " is not writable");
   require(!fs::is_directory(path), "expected a file name, found a folder");
-  require(Program().Overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
+  require(overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
   if (fs::exists(path))
   {
     CheckIsNoInput(path, 1); // the option of the output itself
   }
 }
 
-void CheckOutputFile(const std::string& path, const std::string& extension, const std::string& kind)
+void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
+  const std::string& kind)
 {
-  CheckOutputPlace(path);
+  CheckOutputPlace(path, overwrite);
   if (!extension.empty() && fs::path(path).extension() != extension)
   {
     throw InputError(path + ": expected the extension " + extension + " for " + kind);
@@ -123,28 +123,20 @@ void CheckOutputFile(const std::string& path, const std::string& extension, cons
   }
 }
 
-void CheckOutputFileIfAny(const std::string& path)
-{
-  if (!path.empty())
-  {
-    CheckOutputFile(path);
-  }
-}
-
-void CheckOutputBeside(const std::string& path)
+void CheckOutputBeside(const std::string& path, bool overwrite)
 {
   if (fs::exists(path))
   {
     CheckIsNoInput(path, 0);
   }
-  CheckOutputFile(path);
+  CheckOutputFile(path, overwrite);
 }
 
-void CheckPictureFile(const std::string& path)
+void CheckPictureFile(const std::string& path, bool overwrite)
 {
   if (!path.empty())
   {
-    CheckOutputFile(path, ".png", "a picture");
+    CheckOutputFile(path, overwrite, ".png", "a picture");
   }
 }
 

@@ -28,6 +28,7 @@ struct ProjectArguments
   std::vector<std::string> Surfaces;
   IsGivenFunction IsGiven;
   std::vector<std::string> Attenuations;
+  bool AcceptUnusual = false;
   DualEnergyArguments DualEnergy;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
@@ -48,6 +49,7 @@ struct ProjectArguments
   std::string Deflection;
   ScatterArguments Scatter;
   SeriesArguments Series;
+  ProjectorOptions Projector;
   std::optional<char> Laterality;
   std::string View;
   /// "plain" or "realistic".
@@ -57,6 +59,7 @@ struct ProjectArguments
   DicomPatient Patient;
   std::string Output;
   std::string PathLengths;
+  bool Overwrite = false;
 
   /// Whether source and detector stand where the mammography unit has them.
   bool IsPlacedByUnit() const;

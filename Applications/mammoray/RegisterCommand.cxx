@@ -34,7 +34,9 @@ struct RegisterArguments
   std::optional<std::optional<PatientPosition>> ImagePosition;
   std::optional<double> ChestWallMarginMm;
   KernelScatterArguments Scatter;
+  ProjectorOptions Projector;
   std::string Output;
+  bool Overwrite = false;
 };
 
 /// A clinic's export, or labels, materials and mammograms.
@@ -90,6 +92,7 @@ void DeclareUnit(const OptionList& add, RegistrationCase& input)
   const OptionList unit = add.Group("Unit").Expert();
   unit("--source-to-detector", input.SourceToDetectorMm, "mm", SourceToDetectorHelp);
   unit("--support-height", input.SupportHeightMm, "mm", SupportHeightHelp);
+  AddPlateOptions(unit, input.SupportEdgeMm, input.PaddleEdgeMm, input.EdgeRadiusMm);
 }
 
 /// An option for each parameter of the pose: where the search starts, and what is kept if it is not
@@ -118,22 +121,14 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
   search.Input("--resume", input.Resume,
     "go on from an earlier result folder of the same inputs\n(or from the last step of a run for "
     "that folder that was cut off)");
-  const OptionList expert = search.Expert();
-  expert("--pixel-sizes", input.Options.PixelSizesMm, Positive("mm"),
-    "pixels in which the pictures are compared, coarse to fine");
-  expert.Choice<PictureComparison>("--residual", input.Options.Comparison,
-    { { NameOf(PictureComparison::Gradient), PictureComparison::Gradient },
-      { NameOf(PictureComparison::Global), PictureComparison::Global },
-      { NameOf(PictureComparison::Local), PictureComparison::Local } },
-    "how pictures are compared at last: the gradient of log attenuation, or log attenuation "
-    "normalised globally or locally (in windows)");
-  expert("--iterations", input.Options.MaximumIterations, Positive(),
+  AddComparisonOptions(search, input.Options);
+  search.Expert()("--iterations", input.Options.MaximumIterations, Positive(),
     "most iterations at each pixel size");
   const OptionList file = search.CaseFile();
-  file("--window", input.Options.WindowMm, Positive("mm"),
-    "edge of the windows of the local residual");
   file("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
     "expected error of the model's outline; where gradients are compared the pictures tell it");
+  file("--intensity-sigma", input.Options.IntensitySigma, Positive(),
+    "expected error of the model's picture, in its standard deviations, until then");
 }
 
 void DeclareLoading(const OptionList& add, RegisterArguments& arguments)
@@ -159,6 +154,7 @@ void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
 {
   const OptionList xrays = add.Group("X-rays").Expert();
   AddSpectrumOption(xrays, arguments.Case.Spectrum);
+  AddProjectorOptions(xrays, arguments.Projector);
   xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
     "the synthetic mammogram has what tissue scatters onto the detector\n(by kernels that are "
     "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
@@ -172,6 +168,7 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   DeclareInputs(add, arguments);
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html")
     ->required();
+  AddOverwriteFlag(add, arguments.Overwrite);
   DeclareReport(add, input);
   DeclareLoading(add, arguments);
   DeclareStart(add, input);
@@ -240,23 +237,25 @@ void PrintView(const RegisteredView& view)
 }
 
 /// What is registered, and what is to be known of it.
-void PrintStudy(const StudyIntake& study)
+void PrintStudy(const StudyChoice& choice)
 {
-  for (const auto* reasons : { &study.Choice.SeriesReasons, &study.Choice.MammogramReasons })
+  const auto print = [](const std::string& name, const std::string& reason)
   {
-    for (std::size_t index = 0; index < reasons->size(); ++index)
+    if (reason.starts_with("taken"))
     {
-      const std::string name = reasons == &study.Choice.SeriesReasons
-        ? "'" + study.Found.Series[index].Description + "'"
-        : study.Found.Mammograms[index].View;
-      if ((*reasons)[index].rfind("taken", 0) == 0)
-      {
-        std::printf("%s %s\n", name.c_str(), (*reasons)[index].c_str());
-      }
+      std::printf("%s %s\n", name.c_str(), reason.c_str());
     }
+  };
+  for (const StudySeries& series : choice.Found.Series)
+  {
+    print("'" + series.Description + "'", series.Reason);
+  }
+  for (const StudyMammogram& image : choice.Found.Mammograms)
+  {
+    print(image.Header.View, image.Reason);
   }
   std::fflush(stdout);
-  for (const std::string& warning : study.Choice.Warnings)
+  for (const std::string& warning : choice.Warnings)
   {
     std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
   }
@@ -290,7 +289,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
   try
   {
     RegistrationCaseResult result = RunRegistrationCase(arguments.Case, MakeProgressBar());
-    WriteRegistrationCase(arguments.Case, result, arguments.Output, Program().Overwrite);
+    WriteRegistrationCase(arguments.Case, result, arguments.Output, arguments.Overwrite);
     return result;
   }
   catch (const InputError& error)
@@ -322,7 +321,6 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
 void Run(RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
-  Program().ApplyTo(input.Labels);
   if (arguments.Study.empty() &&
     (input.Labels.Path.empty() || input.Materials.empty() || input.Mammograms.empty()))
   {
@@ -339,7 +337,7 @@ void Run(RegisterArguments& arguments)
       arguments.Scatter.Interspace };
   }
   CheckNoInputWithin(arguments.Output);
-  CheckResultFolder(arguments.Output, Program().Overwrite);
+  CheckResultFolder(arguments.Output, arguments.Overwrite);
   if (!arguments.Study.empty())
   {
     TakeStudy(arguments.Study, arguments.Side, input, MakeProgressBar());
@@ -354,8 +352,8 @@ void Run(RegisterArguments& arguments)
     arguments.ChestWallMarginMm.value_or(input.Targets.ChestWallMarginMm);
   input.ImagePosition = arguments.ImagePosition.value_or(input.ImagePosition);
   CheckInputs(input);
-  input.Device = Program().Projector.Device;
-  input.Projector = MethodName(Program().Projector.Projection);
+  input.Device = arguments.Projector.Device;
+  input.Projector = MethodName(arguments.Projector.Projection);
   input.Checkpoint = CheckpointPath(arguments.Output);
   const RegistrationCaseResult result = RegisterAndWrite(arguments);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "Help.h"
+#include "Manual.h"
 #include "OptionNames.h"
 #include "ProgressBar.h"
-#include "Schema.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
@@ -103,15 +103,7 @@ int Run(int argc, char* argv[])
 #ifdef MAMMORAY_HAS_APP
   mammoray::AddViewCommand(application);
 #endif
-  const auto printSchema = [&application]
-  {
-    std::fputs(mammoray::CaseFileSchema(application).c_str(), stdout);
-    throw CLI::Success();
-  };
-  application
-    .add_flag_callback("--print-schema", printSchema,
-      "print all options as the JSON schema of case files, and stop")
-    ->trigger_on_parse();
+  mammoray::AddManualOptions(application);
   mammoray::SetUpHelp(application);
   mammoray::InterruptRequested();
 
@@ -125,7 +117,7 @@ int Run(int argc, char* argv[])
     mammoray::CheckWords(application, { argv + 1, argv + argc });
     application.parse(argc, argv);
   }
-  catch (const CLI::Success& success) // --help, --version, --print-...
+  catch (const CLI::Success& success) // --help, --version, --print-config
   {
     return application.exit(success);
   }

@@ -10,6 +10,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
+#include "mammoray/Registration/UnitPlacement.h"
 #include "mammoray/Study/CompressionGrids.h"
 
 #include "vtkDataArray.h"

@@ -3,7 +3,8 @@
 #define mammoray_LabelVolumeIO_h
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Volumes.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
 #include "mammorayIOModule.h"
 
 #include <string>

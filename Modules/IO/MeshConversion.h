@@ -3,7 +3,8 @@
 #define mammoray_MeshConversion_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/Meshes.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"

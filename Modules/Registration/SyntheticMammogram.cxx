@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/RegistrationResult.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
 
 #include "Private/PixelFilters.h"
-#include "Private/Silhouette.h"
 #include "Private/ZScores.h"
 #include "mammoray/Foundation/Vector3.h"
 

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/Intake.h"
 
-#include "Private/MammogramRules.h"
-#include "Private/SeriesRules.h"
-#include "Private/SeriesSplit.h"
-#include "Private/StudyPatients.h"
-#include "mammoray/Dicom/DicomHeader.h"
+#include "Private/HeaderRules.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -102,18 +98,18 @@ std::vector<DicomHeader> ReadHeaders(const std::vector<std::string>& files, Stud
   return images;
 }
 
-/// Slices become series by time, then by their numbers.
-bool Earlier(const SeriesCandidate& a, const SeriesCandidate& b)
+/// Order of acquisition, or of the series' numbers where times are missing.
+bool IsEarlier(const StudySeries& a, const StudySeries& b)
 {
-  const std::string left = MomentOf(a.First);
-  const std::string right = MomentOf(b.First);
+  const std::string left = MomentOf(a.Header);
+  const std::string right = MomentOf(b.Header);
   if (!left.empty() && !right.empty() && left != right)
   {
     return left < right;
   }
-  const double first = a.First.SeriesNumber.value_or(0);
-  const double second = b.First.SeriesNumber.value_or(0);
-  return first != second ? first < second : a.Series.Phase < b.Series.Phase;
+  const double first = a.Header.SeriesNumber.value_or(0);
+  const double second = b.Header.SeriesNumber.value_or(0);
+  return first != second ? first < second : a.Phase < b.Phase;
 }
 
 /// What a folder without images holds, for the refusal.
@@ -162,22 +158,10 @@ Study ReadStudy(const std::string& folder, const ProgressCallback& progress)
       study.Mammograms.push_back(DescribeMammogram(image));
     }
   }
-  std::vector<SeriesCandidate> candidates = SplitIntoVolumes(slices);
-  for (SeriesCandidate& candidate : candidates)
-  {
-    DescribeSeries(candidate);
-    if (candidate.Series.LeftOut.empty())
-    {
-      candidate.Series.LeftOut = WhyNoBreastVolume(candidate);
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), Earlier);
-  CompareScanOptions(candidates);
-  FindContrastPhases(candidates);
-  for (SeriesCandidate& candidate : candidates)
-  {
-    study.Series.push_back(std::move(candidate.Series));
-  }
+  study.Series = SplitIntoVolumes(slices);
+  std::for_each(study.Series.begin(), study.Series.end(), DescribeSeries);
+  std::stable_sort(study.Series.begin(), study.Series.end(), IsEarlier);
+  CompareSeries(study.Series);
   ReportProgress(progress, 1, "done");
   return study;
 }

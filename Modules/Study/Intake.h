@@ -3,10 +3,10 @@
 #define mammoray_Intake_h
 
 #include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
-#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/Volumes.h"
+#include "mammoray/Foundation/VolumeGrid.h"
 #include "mammorayStudyModule.h"
 
 #include <cstddef>
@@ -18,14 +18,14 @@ namespace mammoray
 {
 enum class FatSuppression
 {
-  Unknown, ///< no header tells; the histogram must
-  Absent,  ///< fat is bright
-  Present  ///< fat is dark
+  Unknown, ///< No header tells it. The histogram must.
+  Absent,  ///< Fat is bright.
+  Present  ///< Fat is dark.
 };
 
 enum class ContrastPhase
 {
-  Unknown, ///< no header tells of a contrast agent
+  Unknown, ///< No header mentions a contrast agent.
   Before,
   After
 };
@@ -33,141 +33,124 @@ enum class ContrastPhase
 /// One volume of an MRI: a series, or one of several phases, echoes or kinds of image in it.
 struct StudySeries
 {
-  /// Of the series, as the header has it, and its number, where it has one.
+  /// Header of the slice that was taken first.
+  DicomHeader Header;
+  /// Description of the series, or its protocol if there is none.
   std::string Description;
-  std::optional<int> Number;
-  std::string SeriesInstanceUid;
-  std::string StudyInstanceUid;
-  std::string FrameOfReferenceUid;
-  /// YYYYMMDD; empty where the header says none.
+  /// YYYYMMDD. Empty if unknown.
   std::string Date;
-  /// In the order of the grid's layers where there is a grid. What ReadIntensitySlices reads.
+  /// Input of ReadIntensitySlices, in the order of the grid's layers if there is a grid.
   std::vector<DicomSlice> Slices;
-  /// Those that hold them, each once, in their order.
+  /// The files of the slices in their order, each once.
   std::vector<std::string> Files;
-  /// DICOM LPS, mm; nothing where the slices make no regular volume.
+  /// DICOM LPS, mm. Absent if the slices make no regular volume.
   std::optional<VolumeGrid> Grid;
-  /// "axial", "sagittal", "coronal", "oblique"; empty where the header does not say.
+  /// "axial", "sagittal", "coronal" or "oblique". Empty if unknown.
   std::string Plane;
-  /// "HFP" and the like, and what it means for gravity; nothing on a side or where it is not said.
-  std::string PositionCode;
+  /// How the patient lay. Absent if she lay on a side or the header does not say it.
   std::optional<PatientPosition> Position;
-  /// "T1 gradient echo 3D, TR 4.3 TE 1.73 ms", for the reader.
+  /// Summary for the reader: "T1 gradient echo 3D, TR 4.3 TE 1.73 ms".
   std::string Sequence;
   FatSuppression Fat = FatSuppression::Unknown;
   ContrastPhase Contrast = ContrastPhase::Unknown;
-  /// What told of fat suppression and of contrast; empty where nothing did.
+  /// The words or values of headers that showed fat suppression and contrast. Empty if none did.
   std::string FatEvidence;
   std::string ContrastEvidence;
-  /// Which of how many volumes at one place in the series, from 1.
+  /// Number of this volume and number of volumes at one place in the series, from 1.
   int Phase = 1;
   int Phases = 1;
-  /// The patient's breast that the field of view holds: 'L', 'R', or 'B' for both; '?' where it
-  /// cannot be told.
+  /// The patient's breast in the field of view: 'L', 'R', 'B' for both, '?' if unknown.
   char Side = '?';
-  /// Distance of the slices, before a volume is made of them, mm; 0: unknown.
+  /// Mean distance of the slices, mm. 0 if unknown.
   double SliceSpacingMm = 0;
-  /// Why it cannot show the tissue: "subtraction (ImageType SUB)"; empty where it can.
+  /// Why it cannot show the tissue: "subtraction (ImageType SUB)". Empty if it can.
   std::string LeftOut;
+  /// Filled in by ChooseForRegistration: "taken: ..." or "left out: ...".
+  std::string Reason;
 };
 
 struct StudyMammogram
 {
-  std::string File;
-  /// "CC", "MLO", ...; empty where the header does not say.
-  std::string View;
-  /// 'L', 'R' or '?'.
-  char Laterality = '?';
-  Mammogram::Intent Intent = Mammogram::Intent::ForPresentation;
-  /// Made of a tomosynthesis, not of one exposure.
+  /// Its header, completed: the side from the description if no element names it, date and time
+  /// from other elements if those of the acquisition are missing. A thickness is positive.
+  DicomHeader Header;
+  /// Computed from tomosynthesis, not exposed.
   bool Synthetic = false;
-  std::optional<double> ThicknessMm;
-  std::optional<double> AngleDeg;
-  int Columns = 0;
-  int Rows = 0;
-  /// YYYYMMDD and HHMMSS; empty where the header says none.
-  std::string Date;
-  std::string Time;
-  /// Why it cannot be registered: "magnification"; empty where it can.
+  /// Why it cannot be registered: "magnification view". Empty if it can.
   std::string LeftOut;
+  /// Filled in by ChooseForRegistration: "taken: ..." or "left out: ...".
+  std::string Reason;
 };
 
-/// What a clinic's export holds, of one patient.
+/// Contents of a clinic's export of one patient.
 struct Study
 {
   std::string Folder;
-  /// By time of acquisition as far as it is told.
+  /// In order of acquisition as far as headers tell it.
   std::vector<StudySeries> Series;
   std::vector<StudyMammogram> Mammograms;
   /// Numbers of files: DICOM that is neither MRI nor mammogram (reports, segmentations), copies of
-  /// an image that is there, directories (DICOMDIR), and what is no DICOM.
+  /// another image, directories (DICOMDIR), and files that are no DICOM.
   std::size_t OtherObjects = 0;
   std::size_t Copies = 0;
   std::size_t Directories = 0;
   std::size_t NotDicom = 0;
-  /// One line each, with the file: DICOM that is cut short or damaged.
+  /// One line for each truncated or damaged DICOM file, with its name.
   std::vector<std::string> Damaged;
-  /// Of the patient's identity, such as a name that is spelled in two ways.
+  /// About the patient's identity, such as a name that is spelled in two ways.
   std::vector<std::string> Warnings;
 };
 
 /**
  * Reads the headers of all files below a folder, whatever their names. Throws InputError, one line,
- * where there is no such folder, no DICOM in it, or images of two patients (told apart by
- * a number made of their identity, which is not shown); Interrupted.
+ * if there is no such folder, no DICOM in it, or images of two patients (told apart by a hash of
+ * their identity, which is not shown); Interrupted.
  */
 MAMMORAYSTUDY_EXPORT Study ReadStudy(const std::string& folder,
   const ProgressCallback& progress = {});
 
-/// What a registration takes of a study, and why.
+/// What a registration takes of a study.
 struct StudyChoice
 {
-  /// T1-weighted volumes of one position of the patient: without and with fat suppression; both
-  /// where there are both. Undetermined, alone, where no header tells of fat suppression.
+  /// What there is. Each series and mammogram has its Reason.
+  Study Found;
+  /// T1-weighted volumes of one position of the patient: without and with fat suppression, both if
+  /// possible. Undetermined is set alone, if no header tells whether fat is suppressed.
   std::optional<StudySeries> Plain;
   std::optional<StudySeries> FatSuppressed;
   std::optional<StudySeries> Undetermined;
-  /// How the patient lay in them; nothing where no header says.
+  /// How the patient lay in them. Absent if no header says it.
   std::optional<PatientPosition> Position;
-  /// 'L' or 'R': asked for, or that of all mammograms; '?' where neither settles it.
+  /// 'L' or 'R': the side asked for, or that of all mammograms. '?' if neither settles it.
   char Laterality = '?';
   std::optional<StudyMammogram> Cc;
   std::optional<StudyMammogram> Mlo;
   /// One line each.
   std::vector<std::string> Warnings;
-  /// Why nothing can be registered, one line; empty where something can.
+  /// Why nothing can be registered, one line. Empty if something can.
   std::string Refusal;
-  /// Of Study::Series and Study::Mammograms, one line each: "taken: ..." or "left out: ...".
-  std::vector<std::string> SeriesReasons;
-  std::vector<std::string> MammogramReasons;
 
+  /// The volume without fat suppression, or else the one that is taken.
+  MAMMORAYSTUDY_EXPORT const std::optional<StudySeries>& Mri() const;
   /// Throws InputError with the refusal, if there is one.
   MAMMORAYSTUDY_EXPORT void Require() const;
 };
 
 /**
- * Chooses. Tissue: T1 before contrast first, then what holds the breast in the finest slices; of
- * the newest examination that has any. Mammograms: CC and MLO of the side, the newest exposure, of
- * its two forms For Processing; one view will do. `laterality`: 'L' or 'R', the patient's own, also
- * of mammograms that name no side where none of them does; nothing: the side of all mammograms,
- * refused where they show both.
+ * Chooses series and mammograms. Tissue: T1 before contrast first, then what shows the breast in
+ * the finest slices, from the newest examination that has any. Mammograms: CC and MLO of one side,
+ * the newest exposure, For Processing of its two forms. One view is enough. `laterality`: 'L' or
+ * 'R', the patient's own; it is also the side of all mammograms if none of them names one. Nothing:
+ * the side of all mammograms, with a refusal if they show both.
  */
-MAMMORAYSTUDY_EXPORT StudyChoice ChooseForRegistration(const Study& study,
+MAMMORAYSTUDY_EXPORT StudyChoice ChooseForRegistration(Study study,
   std::optional<char> laterality = {});
 
-/// What was found and what is taken of it.
-struct StudyIntake
-{
-  Study Found;
-  StudyChoice Choice;
-};
+/// Tables of series and mammograms with their reasons, for the terminal.
+MAMMORAYSTUDY_EXPORT std::string StudyListing(const StudyChoice& choice);
 
-/// Tables of series and mammograms, each with what is made of it, for the terminal.
-MAMMORAYSTUDY_EXPORT std::string StudyListing(const Study& study, const StudyChoice& choice);
-
-/// The same as JSON, with the files; nothing that identifies the patient but what folders are
-/// called.
-MAMMORAYSTUDY_EXPORT std::string StudyJson(const Study& study, const StudyChoice& choice);
+/// The same as JSON, with the files. Only names of files and folders may identify the patient.
+MAMMORAYSTUDY_EXPORT std::string StudyJson(const StudyChoice& choice);
 }
 
 #endif

@@ -11,7 +11,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Study/CutTissue.h"
 #include "mammoray/Study/StudyCase.h"
 
@@ -315,7 +315,7 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
     return ReadMaterials(input.Labels, result.Materials);
   }
   result.Tissue = std::make_shared<const StudyTissue>(
-    SegmentStudy(input.Study->Choice, result.Materials, progress, input.Labels.AcceptUnusual));
+    SegmentStudy(*input.Study, result.Materials, progress, input.Labels.AcceptUnusual));
   return result.Tissue->Breast;
 }
 }
@@ -345,9 +345,9 @@ std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::stri
   };
   if (input.Study)
   {
-    const StudyChoice& choice = input.Study->Choice;
-    for (const auto& [role, series] : { std::pair{ "MRI without fat suppression", &choice.Plain },
-           { "MRI with fat suppression", &choice.FatSuppressed }, { "MRI", &choice.Undetermined } })
+    const StudyChoice& study = *input.Study;
+    for (const auto& [role, series] : { std::pair{ "MRI without fat suppression", &study.Plain },
+           { "MRI with fat suppression", &study.FatSuppressed }, { "MRI", &study.Undetermined } })
     {
       if (*series)
       {

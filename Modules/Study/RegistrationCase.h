@@ -4,14 +4,15 @@
 
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Registration/BreastModel.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/UnitPlacement.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammorayStudyModule.h"
 
@@ -23,7 +24,7 @@
 
 namespace mammoray
 {
-struct StudyIntake;
+struct StudyChoice;
 struct StudyTissue;
 
 /// What synthetic mammograms have of scatter: by kernels.
@@ -41,7 +42,7 @@ struct RegisteredScatter
 struct RegistrationCase
 {
   /// A clinic's export whose MRI is segmented in place of Labels (TakeStudy); null: none.
-  std::shared_ptr<const StudyIntake> Study;
+  std::shared_ptr<const StudyChoice> Study;
   /// Finer label volumes are resampled to 0.5 mm unless told otherwise.
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
   /// Material table: a path (.json) or the name of a shipped one.

@@ -217,11 +217,8 @@ std::vector<std::pair<std::string, std::string>> ExaminationOf(const Registratio
   };
   if (input.Study)
   {
-    const StudyChoice& choice = input.Study->Choice;
-    const std::optional<StudySeries>& taken = choice.Plain ? choice.Plain
-      : choice.FatSuppressed                               ? choice.FatSuppressed
-                                                           : choice.Undetermined;
-    add("MRI of", taken ? DateText(taken->Date) : "");
+    const std::optional<StudySeries>& mri = input.Study->Mri();
+    add("MRI of", mri ? DateText(mri->Date) : "");
   }
   std::optional<DicomHeader> header;
   try

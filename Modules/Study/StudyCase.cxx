@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -71,9 +70,7 @@ StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
   choice.Require();
   SegmentationOptions options;
   options.AcceptUnusual = acceptUnusual;
-  const StudySeries& first = choice.Plain ? *choice.Plain
-    : choice.FatSuppressed                ? *choice.FatSuppressed
-                                          : *choice.Undetermined;
+  const StudySeries& first = *choice.Mri();
   options.Side = SideToSegment(first, choice.Laterality);
   options.Contrast = choice.Plain ? FatContrast::FatBright
     : choice.FatSuppressed        ? FatContrast::FatDark
@@ -113,9 +110,10 @@ void HideNames(Study& study)
   std::vector<StudySeries>& series = study.Series;
   for (std::size_t index = 0; index < series.size(); ++index)
   {
-    const std::optional<int> number = series[index].Number;
-    series[index].Description = number ? "series " + std::to_string(*number)
-                                       : "volume " + std::to_string(index + 1) + " of the MRI";
+    const std::optional<double> number = series[index].Header.SeriesNumber;
+    series[index].Description = number && std::abs(*number) < 1e9
+      ? "series " + std::to_string(std::lround(*number))
+      : "volume " + std::to_string(index + 1) + " of the MRI";
   }
 }
 }
@@ -123,77 +121,70 @@ void HideNames(Study& study)
 void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
   const ProgressCallback& progress)
 {
-  StudyIntake study;
-  study.Found = ReadStudy(folder, progress);
+  Study study = ReadStudy(folder, progress);
   if (!input.NameInputs)
   {
-    HideNames(study.Found);
+    HideNames(study);
   }
-  study.Choice = ChooseForRegistration(study.Found, laterality);
-  study.Choice.Require();
+  StudyChoice choice = ChooseForRegistration(std::move(study), laterality);
+  choice.Require();
   input.Mammograms.clear();
-  for (const std::optional<StudyMammogram>& view : { study.Choice.Cc, study.Choice.Mlo })
+  for (const auto* view : { &choice.Cc, &choice.Mlo })
   {
-    if (view)
+    if (*view)
     {
-      input.Mammograms.push_back(view->File);
+      input.Mammograms.push_back((*view)->Header.Path);
     }
   }
-  input.Laterality = study.Choice.Laterality;
+  input.Laterality = choice.Laterality;
   input.Materials = input.Materials.empty() ? StudyMaterials : input.Materials;
   input.Orientation = "LPS";
-  input.ImagePosition = study.Choice.Position;
+  input.ImagePosition = choice.Position;
   // The pectoral muscle lets the breast glide; held there, it could not follow the plates.
   input.ChestWall = ChestWallMode::Sliding;
   input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
   input.RollSigmaDeg = StudyRollSigmaDeg;
   // Three of these beside it a breast fits as well, toppled to its other side.
   input.Options.RollOffsetsDeg.clear();
-  input.Study = std::make_shared<const StudyIntake>(std::move(study));
+  input.Study = std::make_shared<const StudyChoice>(std::move(choice));
 }
 
-ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue)
+ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue)
 {
   ReportSection section;
   section.Title = "The patient's files";
-  const auto number = [](const char* format, double value)
+  for (const StudySeries& series : choice.Found.Series)
   {
-    char text[64];
-    std::snprintf(text, sizeof text, format, value);
-    return std::string(text);
-  };
-  for (std::size_t index = 0; index < study.Found.Series.size(); ++index)
-  {
-    const StudySeries& series = study.Found.Series[index];
     const std::string name = series.Description.empty() ? "no description" : series.Description;
     const std::string phase = series.Phases > 1
       ? ", " + std::to_string(series.Phase) + " of " + std::to_string(series.Phases)
       : "";
-    section.Rows.emplace_back("MRI: " + name + phase, study.Choice.SeriesReasons[index]);
+    section.Rows.emplace_back("MRI: " + name + phase, series.Reason);
   }
-  for (std::size_t index = 0; index < study.Found.Mammograms.size(); ++index)
+  for (const StudyMammogram& image : choice.Found.Mammograms)
   {
-    const StudyMammogram& image = study.Found.Mammograms[index];
-    const std::string side = image.Laterality == 'L' ? "left "
-      : image.Laterality == 'R'                      ? "right "
-                                                     : "";
-    section.Rows.emplace_back("Mammogram: " + side + image.View +
-        (image.Intent == Mammogram::Intent::ForProcessing ? ", For Processing"
-                                                          : ", For Presentation"),
-      study.Choice.MammogramReasons[index]);
+    const DicomHeader& header = image.Header;
+    const std::string side = header.Laterality == 'L' ? "left "
+      : header.Laterality == 'R'                      ? "right "
+                                                      : "";
+    const bool processing = header.PresentationIntent == Mammogram::Intent::ForProcessing;
+    section.Rows.emplace_back("Mammogram: " + side + header.View +
+        (processing ? ", For Processing" : ", For Presentation"),
+      image.Reason);
   }
   section.Rows.emplace_back("Patient in the MRI",
-    !study.Choice.Position                               ? "not stated: taken as without weight"
-      : *study.Choice.Position == PatientPosition::Prone ? "prone"
-                                                         : "supine");
-  section.Rows.emplace_back("Breast in the MRI", number("%.0f cm3", tissue.BreastCm3));
-  section.Rows.emplace_back("Gland in it", number("%.0f %%", 100 * tissue.GlandFraction));
-  section.Rows.emplace_back("Stands out by", number("%.0f mm", tissue.DepthMm));
+    !choice.Position                               ? "not stated: taken as without weight"
+      : *choice.Position == PatientPosition::Prone ? "prone"
+                                                   : "supine");
+  const auto rounded = [](double value) { return std::to_string(std::lround(value)); };
+  section.Rows.emplace_back("Breast in the MRI", rounded(tissue.BreastCm3) + " cm3");
+  section.Rows.emplace_back("Gland in it", rounded(100 * tissue.GlandFraction) + " %");
+  section.Rows.emplace_back("Stands out by", rounded(tissue.DepthMm) + " mm");
   section.Picture = SlicePicturePng(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
     FindMaterialTable(StudyMaterials).Names());
   section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "
                     "everywhere: look at it first.";
-  section.Notes = study.Choice.Warnings;
+  section.Notes = choice.Warnings;
   section.Notes.insert(section.Notes.end(), tissue.Warnings.begin(), tissue.Warnings.end());
   return section;
 }

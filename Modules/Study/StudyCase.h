@@ -2,8 +2,9 @@
 #ifndef mammoray_StudyCase_h
 #define mammoray_StudyCase_h
 
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/Intake.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/RegistrationReport.h"
@@ -70,7 +71,7 @@ MAMMORAYSTUDY_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const M
 
 /// What a report tells of a study: what was taken and what was left out, and why; the tissue that
 /// was found, with a picture of it (SlicePicture); what is to be known of both.
-MAMMORAYSTUDY_EXPORT ReportSection StudySection(const StudyIntake& study,
+MAMMORAYSTUDY_EXPORT ReportSection StudySection(const StudyChoice& choice,
   const StudyTissue& tissue);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/MammogramRules.h"
+#include "Private/HeaderRules.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/Intake.h"
 
@@ -13,19 +13,18 @@ namespace mammoray
 {
 namespace
 {
-const char* SideName(char side)
+std::string SideName(char side)
 {
   return side == 'L' ? "left" : side == 'R' ? "right" : "unnamed";
 }
 
-const char* SuppressionWords(FatSuppression fat)
+/// The evidence in brackets, for a reason.
+std::string InBrackets(const std::string& evidence)
 {
-  return fat == FatSuppression::Absent ? "without fat suppression"
-    : fat == FatSuppression::Present   ? "with fat suppression"
-                                       : "of which no header tells whether fat is suppressed";
+  return evidence.empty() ? "" : " (" + evidence + ")";
 }
 
-/// Smaller is better: contrast, plane, the thickness of slices, voxels, order.
+/// Smaller is better: contrast, plane, the thickness of slices, voxels.
 auto RankOf(const StudySeries& series)
 {
   const Vector3 spacing = series.Grid->Spacing;
@@ -38,321 +37,257 @@ auto RankOf(const StudySeries& series)
     spacing[0] * spacing[1] * spacing[2]);
 }
 
-/// The place of each series in the study, of which this chooses.
-class TissueChoice
+bool ShowsSide(const StudySeries& series, char side)
 {
-public:
-  TissueChoice(const Study& study, StudyChoice& choice)
-    : All(study.Series)
-    , Choice(choice)
-  {
-  }
+  return side == '?' || (series.Side != 'L' && series.Side != 'R') || series.Side == side;
+}
 
-  void Choose()
+/// The series of the newest examination that show the side. Fills in the reason of all others.
+std::vector<StudySeries*> FindCandidates(StudyChoice& choice)
+{
+  std::string newest;
+  for (const StudySeries& series : choice.Found.Series)
   {
-    this->FindCandidates();
-    if (this->Candidates.empty())
+    if (series.LeftOut.empty() && ShowsSide(series, choice.Laterality))
     {
-      this->Choice.Refusal = this->WhyNone();
+      newest = std::max(newest, series.Date);
+    }
+  }
+  std::vector<StudySeries*> candidates;
+  for (StudySeries& series : choice.Found.Series)
+  {
+    series.Reason = !series.LeftOut.empty() ? "left out: " + series.LeftOut
+      : !ShowsSide(series, choice.Laterality)
+      ? "left out: shows the " + SideName(series.Side) + " breast only"
+      : series.Date != newest && !series.Date.empty() ? "left out: of an older examination"
+                                                      : "";
+    if (series.Reason.empty())
+    {
+      candidates.push_back(&series);
+    }
+  }
+  return candidates;
+}
+
+/// Null if there is none.
+StudySeries* BestOf(const std::vector<StudySeries*>& candidates, FatSuppression fat)
+{
+  StudySeries* best = nullptr;
+  for (StudySeries* series : candidates)
+  {
+    if (series->Fat == fat && (!best || RankOf(*series) < RankOf(*best)))
+    {
+      best = series;
+    }
+  }
+  return best;
+}
+
+bool AreOfOnePosition(const StudySeries& a, const StudySeries& b)
+{
+  const std::string& first = a.Header.FrameOfReferenceUid;
+  const std::string& second = b.Header.FrameOfReferenceUid;
+  return a.Header.PatientPosition == b.Header.PatientPosition &&
+    (first.empty() || second.empty() || first == second);
+}
+
+std::string WhyTaken(const StudySeries& series)
+{
+  const std::string evidence = InBrackets(series.ContrastEvidence);
+  return std::string("taken: T1 ") +
+    (series.Fat == FatSuppression::Absent ? "without fat suppression"
+        : series.Fat == FatSuppression::Present
+        ? "with fat suppression"
+        : "of which no header tells whether fat is suppressed") +
+    InBrackets(series.FatEvidence) +
+    (series.Contrast == ContrastPhase::Before ? ", before contrast" + evidence
+        : series.Contrast == ContrastPhase::After
+        ? ", after contrast" + evidence + " for want of one before"
+        : ", no header tells of contrast");
+}
+
+/// `better`: the best candidate of the same kind.
+std::string WhyNotTaken(const StudySeries& series, const StudySeries& better,
+  const StudyChoice& choice)
+{
+  if (series.Fat == FatSuppression::Unknown && !choice.Undetermined)
+  {
+    return "left out: no header tells whether fat is suppressed, and of others it is known";
+  }
+  if (series.Contrast == ContrastPhase::After && better.Contrast != ContrastPhase::After)
+  {
+    return "left out: after contrast (" + series.ContrastEvidence + ")";
+  }
+  return "left out: '" + better.Description + "' is of the same kind, " +
+    (better.Contrast != series.Contrast ? "before contrast for certain" : "finer or earlier");
+}
+
+/// Lists the kinds of series that there are instead.
+std::string WhyNoSeries(const std::vector<StudySeries>& all)
+{
+  if (all.empty())
+  {
+    return "expected an MRI of the breast, found none";
+  }
+  std::map<std::string, int> kinds;
+  for (const StudySeries& series : all)
+  {
+    const std::string reason = series.Reason.substr(std::string("left out: ").size());
+    ++kinds[reason.substr(0, reason.find(" ("))];
+  }
+  std::string found;
+  for (const auto& [kind, count] : kinds)
+  {
+    found += (found.empty() ? "" : ", ") + kind + (count > 1 ? " x " + std::to_string(count) : "");
+  }
+  return "expected a T1-weighted MRI of the breast, found only: " + found;
+}
+
+void ChooseTissue(StudyChoice& choice)
+{
+  const std::vector<StudySeries*> candidates = FindCandidates(choice);
+  if (candidates.empty())
+  {
+    choice.Refusal = WhyNoSeries(choice.Found.Series);
+    return;
+  }
+  StudySeries* plain = BestOf(candidates, FatSuppression::Absent);
+  StudySeries* suppressed = BestOf(candidates, FatSuppression::Present);
+  if (plain && suppressed && !AreOfOnePosition(*plain, *suppressed))
+  {
+    // The one that comes before contrast, or is finer.
+    StudySeries*& other = RankOf(*suppressed) < RankOf(*plain) ? plain : suppressed;
+    other->Reason = "left out: the patient lay otherwise (another frame of reference or position)";
+    other = nullptr;
+  }
+  const auto take = [&choice](StudySeries* series, std::optional<StudySeries>& place)
+  {
+    if (!series)
+    {
       return;
     }
-    const auto plain = this->Best(FatSuppression::Absent);
-    auto suppressed = this->Best(FatSuppression::Present);
-    auto kept = plain;
-    if (plain && suppressed && !this->OnePosition(*plain, *suppressed))
+    series->Reason = WhyTaken(*series);
+    place = *series;
+    if (series->Contrast == ContrastPhase::After && series->Fat != FatSuppression::Absent)
     {
-      // The one that comes before contrast, or is finer.
-      kept = RankOf(this->All[*suppressed]) < RankOf(this->All[*plain]) ? std::nullopt : plain;
-      suppressed = kept ? std::nullopt : suppressed;
-      this->Choice.SeriesReasons[kept ? *this->Best(FatSuppression::Present) : *plain] =
-        "left out: the patient lay otherwise (another frame of reference or position)";
-    }
-    this->Take(kept, this->Choice.Plain);
-    this->Take(suppressed, this->Choice.FatSuppressed);
-    if (!kept && !suppressed)
-    {
-      this->Take(this->Best(FatSuppression::Unknown), this->Choice.Undetermined);
-    }
-    this->ExplainOthers();
-    this->FindPosition();
-  }
-
-private:
-  /// Of the newest examination that has one, those that hold the side.
-  void FindCandidates()
-  {
-    std::string newest;
-    for (const StudySeries& series : this->All)
-    {
-      newest =
-        series.LeftOut.empty() && this->HoldsSide(series) ? std::max(newest, series.Date) : newest;
-    }
-    for (std::size_t index = 0; index < this->All.size(); ++index)
-    {
-      const StudySeries& series = this->All[index];
-      std::string& reason = this->Choice.SeriesReasons[index];
-      if (!series.LeftOut.empty())
-      {
-        reason = "left out: " + series.LeftOut;
-      }
-      else if (!this->HoldsSide(series))
-      {
-        reason = std::string("left out: shows the ") + SideName(series.Side) + " breast only";
-      }
-      else if (series.Date != newest && !series.Date.empty())
-      {
-        reason = "left out: of an older examination";
-      }
-      else
-      {
-        this->Candidates.push_back(index);
-      }
-    }
-  }
-
-  bool HoldsSide(const StudySeries& series) const
-  {
-    const char side = this->Choice.Laterality;
-    return side == '?' || (series.Side != 'L' && series.Side != 'R') || series.Side == side;
-  }
-
-  std::optional<std::size_t> Best(FatSuppression fat) const
-  {
-    std::optional<std::size_t> best;
-    for (const std::size_t index : this->Candidates)
-    {
-      const StudySeries& series = this->All[index];
-      if (series.Fat == fat && (!best || RankOf(series) < RankOf(this->All[*best])))
-      {
-        best = index;
-      }
-    }
-    return best;
-  }
-
-  bool OnePosition(std::size_t a, std::size_t b) const
-  {
-    const StudySeries& first = this->All[a];
-    const StudySeries& second = this->All[b];
-    return first.PositionCode == second.PositionCode &&
-      (first.FrameOfReferenceUid.empty() || second.FrameOfReferenceUid.empty() ||
-        first.FrameOfReferenceUid == second.FrameOfReferenceUid);
-  }
-
-  void Take(const std::optional<std::size_t>& index, std::optional<StudySeries>& place)
-  {
-    if (!index)
-    {
-      return;
-    }
-    const StudySeries& series = this->All[*index];
-    place = series;
-    std::string why = std::string("taken: T1 ") + SuppressionWords(series.Fat);
-    why += series.FatEvidence.empty() ? "" : " (" + series.FatEvidence + ")";
-    const std::string evidence =
-      series.ContrastEvidence.empty() ? "" : " (" + series.ContrastEvidence + ")";
-    why += series.Contrast == ContrastPhase::Before ? ", before contrast" + evidence
-      : series.Contrast == ContrastPhase::After
-      ? ", after contrast" + evidence + " for want of one before"
-      : ", no header tells of contrast";
-    this->Choice.SeriesReasons[*index] = why;
-    if (series.Contrast == ContrastPhase::After && series.Fat != FatSuppression::Absent)
-    {
-      this->Choice.Warnings.push_back("'" + series.Description +
+      choice.Warnings.push_back("'" + series->Description +
         "' was taken after contrast: what enhances is as bright as gland");
     }
-  }
-
-  void ExplainOthers()
+  };
+  take(plain, choice.Plain);
+  take(suppressed, choice.FatSuppressed);
+  if (!plain && !suppressed)
   {
-    for (const std::size_t index : this->Candidates)
-    {
-      std::string& reason = this->Choice.SeriesReasons[index];
-      const StudySeries& series = this->All[index];
-      if (!reason.empty())
-      {
-        continue;
-      }
-      const auto better = this->Best(series.Fat);
-      if (series.Fat == FatSuppression::Unknown && !this->Choice.Undetermined)
-      {
-        reason = "left out: no header tells whether fat is suppressed, and of others it is known";
-      }
-      else if (series.Contrast == ContrastPhase::After &&
-        this->All[*better].Contrast != ContrastPhase::After)
-      {
-        reason = "left out: after contrast (" + series.ContrastEvidence + ")";
-      }
-      else
-      {
-        reason = "left out: '" + this->All[*better].Description + "' is of the same kind, " +
-          (this->All[*better].Contrast != series.Contrast ? "before contrast for certain"
-                                                          : "finer or earlier");
-      }
-    }
+    take(BestOf(candidates, FatSuppression::Unknown), choice.Undetermined);
   }
-
-  void FindPosition()
+  for (StudySeries* series : candidates)
   {
-    const StudySeries& series = this->Choice.FatSuppressed ? *this->Choice.FatSuppressed
-      : this->Choice.Plain                                 ? *this->Choice.Plain
-                                                           : *this->Choice.Undetermined;
-    this->Choice.Position = series.Position;
-    if (series.Position)
+    if (series->Reason.empty())
     {
-      return;
-    }
-    if (series.PositionCode.empty())
-    {
-      this->Choice.Warnings.emplace_back(
-        "the MRI's header does not say whether the patient lay prone or supine");
-    }
-    else
-    {
-      this->Choice.Refusal = "expected an MRI of a patient prone or supine, found the position " +
-        series.PositionCode + " in '" + series.Description + "'";
+      series->Reason = WhyNotTaken(*series, *BestOf(candidates, series->Fat), choice);
     }
   }
-
-  /// Which kinds of series there are instead.
-  std::string WhyNone() const
+  const StudySeries& taken = *choice.Mri();
+  choice.Position = taken.Position;
+  if (!taken.Position && taken.Header.PatientPosition.empty())
   {
-    if (this->All.empty())
-    {
-      return "expected an MRI of the breast, found none";
-    }
-    std::map<std::string, int> kinds;
-    for (std::size_t index = 0; index < this->All.size(); ++index)
-    {
-      std::string reason =
-        this->Choice.SeriesReasons[index].substr(std::string("left out: ").size());
-      ++kinds[reason.substr(0, reason.find(" ("))];
-    }
-    std::string found;
-    for (const auto& [kind, count] : kinds)
-    {
-      found +=
-        (found.empty() ? "" : ", ") + kind + (count > 1 ? " x " + std::to_string(count) : "");
-    }
-    return "expected a T1-weighted MRI of the breast, found only: " + found;
+    choice.Warnings.emplace_back(
+      "the MRI's header does not say whether the patient lay prone or supine");
   }
-
-  const std::vector<StudySeries>& All;
-  StudyChoice& Choice;
-  std::vector<std::size_t> Candidates;
-};
-
-/// Sides and views that there are, "left CC, left MLO".
-std::string ViewsOf(const Study& study)
-{
-  std::set<std::string> views;
-  for (const StudyMammogram& image : study.Mammograms)
+  else if (!taken.Position)
   {
-    if (image.LeftOut.empty())
-    {
-      views.insert(std::string(SideName(image.Laterality)) + ' ' + image.View);
-    }
+    choice.Refusal = "expected an MRI of a patient prone or supine, found the position " +
+      taken.Header.PatientPosition + " in '" + taken.Description + "'";
   }
-  std::string text;
-  for (const std::string& view : views)
-  {
-    text += (text.empty() ? "" : ", ") + view;
-  }
-  return text;
 }
 
-/**
- * The side asked for or that of all mammograms that can be registered. Where none of these names a
- * side the one asked for is theirs. Answers the mammograms with their sides.
- */
-std::vector<StudyMammogram> SettleSide(const Study& study, std::optional<char> laterality,
-  StudyChoice& choice)
+/// Settles the side: the one asked for, or that of all mammograms that can be registered. If none
+/// of these names a side, the one asked for is theirs.
+void SettleSide(std::optional<char> laterality, StudyChoice& choice)
 {
-  std::vector<StudyMammogram> images = study.Mammograms;
   std::set<char> sides;
-  for (const StudyMammogram& image : images)
+  for (const StudyMammogram& image : choice.Found.Mammograms)
   {
     if (image.LeftOut.empty())
     {
-      sides.insert(image.Laterality);
+      sides.insert(image.Header.Laterality);
     }
   }
-  if (laterality)
+  choice.Laterality = laterality ? *laterality : sides.size() == 1 ? *sides.begin() : '?';
+  if (laterality && sides == std::set<char>{ '?' })
   {
-    choice.Laterality = *laterality;
-    if (sides == std::set<char>{ '?' })
+    for (StudyMammogram& image : choice.Found.Mammograms)
     {
-      for (StudyMammogram& image : images)
-      {
-        image.Laterality = *laterality;
-      }
-      choice.Warnings.push_back(std::string("no mammogram names its side; taken for the ") +
-        SideName(*laterality) + " breast");
+      image.Header.Laterality = *laterality;
     }
+    choice.Warnings.push_back(
+      "no mammogram names its side; taken for the " + SideName(*laterality) + " breast");
   }
-  else if (sides.size() == 1)
-  {
-    choice.Laterality = *sides.begin();
-  }
-  return images;
 }
 
-void ChooseViews(const std::vector<StudyMammogram>& images, StudyChoice& choice)
+void ChooseViews(StudyChoice& choice)
 {
-  for (std::size_t index = 0; index < images.size(); ++index)
+  const std::string side = SideName(choice.Laterality);
+  for (StudyMammogram& image : choice.Found.Mammograms)
   {
-    const StudyMammogram& image = images[index];
-    choice.MammogramReasons[index] = !image.LeftOut.empty() ? "left out: " + image.LeftOut
-      : image.Laterality == '?'                             ? "left out: its header names no side"
-      : choice.Laterality != '?' && image.Laterality != choice.Laterality
-      ? std::string("left out: the ") + SideName(image.Laterality) + " breast"
-      : image.View != "CC" && image.View != "MLO" ? "left out: neither CC nor MLO"
-                                                  : "left out: the side is not settled";
+    const DicomHeader& header = image.Header;
+    image.Reason = !image.LeftOut.empty() ? "left out: " + image.LeftOut
+      : header.Laterality == '?'          ? "left out: its header names no side"
+      : choice.Laterality != '?' && header.Laterality != choice.Laterality
+      ? "left out: the " + SideName(header.Laterality) + " breast"
+      : header.View != "CC" && header.View != "MLO" ? "left out: neither CC nor MLO"
+                                                    : "left out: the side is not settled";
   }
   if (choice.Laterality == '?')
   {
     return;
   }
-  const auto take = [&](const char* view, std::optional<StudyMammogram>& place)
+  for (auto* view : { &choice.Cc, &choice.Mlo })
   {
-    if (const auto index =
-          ChooseMammogram(images, choice.Laterality, view, choice.MammogramReasons))
+    const char* name = view == &choice.Cc ? "CC" : "MLO";
+    if (const auto index = ChooseMammogram(choice.Found.Mammograms, choice.Laterality, name))
     {
-      place = images[*index];
+      *view = choice.Found.Mammograms[*index];
     }
-  };
-  take("CC", choice.Cc);
-  take("MLO", choice.Mlo);
-  for (const auto& [here, missing] : { std::pair{ &choice.Cc, "MLO" }, { &choice.Mlo, "CC" } })
+  }
+  if (choice.Cc.has_value() != choice.Mlo.has_value())
   {
-    const auto& other = here == &choice.Cc ? choice.Mlo : choice.Cc;
-    if (*here && !other)
-    {
-      choice.Warnings.push_back(std::string("no ") + missing + " of the " +
-        SideName(choice.Laterality) +
-        " breast: one view alone leaves the depth along its rays open");
-    }
+    choice.Warnings.push_back(std::string("no ") + (choice.Cc ? "MLO" : "CC") + " of the " + side +
+      " breast: one view alone leaves the depth along its rays open");
   }
 }
 
-std::string WhyNoViews(const Study& study, const StudyChoice& choice)
+std::string WhyNoViews(const StudyChoice& choice)
 {
-  const std::string views = ViewsOf(study);
+  const std::vector<StudyMammogram>& all = choice.Found.Mammograms;
+  std::set<std::string> views;
+  for (const StudyMammogram& image : all)
+  {
+    if (image.LeftOut.empty())
+    {
+      views.insert(SideName(image.Header.Laterality) + ' ' + image.Header.View);
+    }
+  }
   if (views.empty())
   {
-    return study.Mammograms.empty()
-      ? std::string("expected a mammogram, found none")
-      : "expected a mammogram that can be registered, found none among " +
-        std::to_string(study.Mammograms.size()) + " (first: " + study.Mammograms.front().LeftOut +
-        ")";
+    return all.empty() ? "expected a mammogram, found none"
+                       : "expected a mammogram that can be registered, found none among " +
+        std::to_string(all.size()) + " (first: " + all.front().LeftOut + ")";
   }
-  if (choice.Laterality == '?')
+  std::string found;
+  for (const std::string& view : views)
   {
-    return "expected mammograms of one breast, or its side to be named, found " + views;
+    found += (found.empty() ? ", found " : ", ") + view;
   }
-  return std::string("expected a CC or MLO mammogram of the ") + SideName(choice.Laterality) +
-    " breast, found " + views;
+  return choice.Laterality == '?'
+    ? "expected mammograms of one breast, or its side to be named" + found
+    : "expected a CC or MLO mammogram of the " + SideName(choice.Laterality) + " breast" + found;
 }
+}
+
+const std::optional<StudySeries>& StudyChoice::Mri() const
+{
+  return this->Plain ? this->Plain : this->FatSuppressed ? this->FatSuppressed : this->Undetermined;
 }
 
 void StudyChoice::Require() const
@@ -363,32 +298,30 @@ void StudyChoice::Require() const
   }
 }
 
-StudyChoice ChooseForRegistration(const Study& study, std::optional<char> laterality)
+StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality)
 {
   if (laterality && *laterality != 'L' && *laterality != 'R')
   {
     throw InputError("side: expected L or R, found '" + std::string(1, *laterality) + "'");
   }
   StudyChoice choice;
-  choice.Warnings = study.Warnings;
-  choice.SeriesReasons.resize(study.Series.size());
-  choice.MammogramReasons.resize(study.Mammograms.size());
-  ChooseViews(SettleSide(study, laterality, choice), choice);
-  TissueChoice(study, choice).Choose();
+  choice.Found = std::move(study);
+  choice.Warnings = choice.Found.Warnings;
+  SettleSide(laterality, choice);
+  ChooseViews(choice);
+  ChooseTissue(choice);
   if (choice.Refusal.empty() && !choice.Cc && !choice.Mlo)
   {
-    choice.Refusal = WhyNoViews(study, choice);
+    choice.Refusal = WhyNoViews(choice);
   }
-  for (const std::string& file : study.Damaged)
-  {
-    choice.Warnings.push_back(file);
-  }
+  const std::vector<std::string>& damaged = choice.Found.Damaged;
+  choice.Warnings.insert(choice.Warnings.end(), damaged.begin(), damaged.end());
   if (!choice.Refusal.empty())
   {
-    choice.Refusal = study.Folder + ": " + choice.Refusal +
-      (study.Damaged.empty() ? ""
-                             : " (" + std::to_string(study.Damaged.size()) +
-            " damaged: " + study.Damaged.front() + ")");
+    choice.Refusal = choice.Found.Folder + ": " + choice.Refusal +
+      (damaged.empty()
+          ? ""
+          : " (" + std::to_string(damaged.size()) + " damaged: " + damaged.front() + ")");
   }
   return choice;
 }

@@ -53,7 +53,12 @@ std::string SpacingOf(const StudySeries& series)
   return text;
 }
 
-void AddSeriesLine(const StudySeries& series, const std::string& reason, std::string& text)
+std::string OrDash(const std::string& text)
+{
+  return text.empty() ? "-" : text;
+}
+
+std::string LineOf(const StudySeries& series)
 {
   std::string name = series.Description.empty() ? "(no description)" : series.Description;
   name += series.Phases > 1
@@ -62,31 +67,37 @@ void AddSeriesLine(const StudySeries& series, const std::string& reason, std::st
   char line[512];
   std::snprintf(line, sizeof line, "  %-34s %4zu  %-19s %-8s %-4s %-38s %-7s %-7s  ",
     Shortened(name, 34).c_str(), series.Slices.size(), SpacingOf(series).c_str(),
-    series.Plane.empty() ? "-" : series.Plane.c_str(),
-    series.PositionCode.empty() ? "-" : series.PositionCode.c_str(),
+    OrDash(series.Plane).c_str(), OrDash(series.Header.PatientPosition).c_str(),
     Shortened(series.Sequence, 38).c_str(), FatColumn(series.Fat), ContrastColumn(series.Contrast));
-  text += line + reason + '\n';
+  return line + series.Reason + '\n';
 }
 
-void AddMammogramLine(const StudyMammogram& image, const std::string& reason, std::string& text)
+std::string LineOf(const StudyMammogram& image)
 {
+  const DicomHeader& header = image.Header;
   char thickness[24] = "-";
-  if (image.ThicknessMm)
+  if (header.BodyPartThicknessMm)
   {
-    std::snprintf(thickness, sizeof thickness, "%.0f mm", *image.ThicknessMm);
+    std::snprintf(thickness, sizeof thickness, "%.0f mm", *header.BodyPartThicknessMm);
   }
   char line[512];
-  std::snprintf(line, sizeof line, "  %-2c %-5s %-13s %5d x %-5d %-7s %-8s ", image.Laterality,
-    image.View.empty() ? "-" : Shortened(image.View, 5).c_str(), IntentColumn(image.Intent),
-    image.Columns, image.Rows, thickness, image.Date.empty() ? "-" : image.Date.c_str());
-  text += line + reason + '\n';
+  std::snprintf(line, sizeof line, "  %-2c %-5s %-13s %5d x %-5d %-7s %-8s ", header.Laterality,
+    OrDash(Shortened(header.View, 5)).c_str(), IntentColumn(header.PresentationIntent),
+    header.Columns, header.Rows, thickness, OrDash(header.AcquisitionDate).c_str());
+  return line + image.Reason + '\n';
 }
 
-Json JsonOf(const StudySeries& series, const std::string& reason)
+Json NumberOrNone(const std::optional<double>& number)
 {
-  Json json{ { "description", series.Description }, { "series_uid", series.SeriesInstanceUid },
-    { "date", series.Date }, { "slices", series.Slices.size() }, { "plane", series.Plane },
-    { "patient_position", series.PositionCode }, { "sequence", series.Sequence },
+  return number ? Json(*number) : Json();
+}
+
+Json JsonOf(const StudySeries& series)
+{
+  Json json{ { "description", series.Description },
+    { "series_uid", series.Header.SeriesInstanceUid }, { "date", series.Date },
+    { "slices", series.Slices.size() }, { "plane", series.Plane },
+    { "patient_position", series.Header.PatientPosition }, { "sequence", series.Sequence },
     { "fat_suppression", FatColumn(series.Fat) }, { "fat_suppression_from", series.FatEvidence },
     { "contrast", ContrastColumn(series.Contrast) }, { "contrast_from", series.ContrastEvidence },
     { "phase", series.Phase }, { "phases", series.Phases },
@@ -97,34 +108,33 @@ Json JsonOf(const StudySeries& series, const std::string& reason)
     json["spacing_mm"] = series.Grid->Spacing;
     json["origin_mm"] = series.Grid->Origin;
   }
-  json["reason"] = reason;
+  json["reason"] = series.Reason;
   json["files"] = series.Files;
   if (!series.Slices.empty() && series.Slices.front().Frame > 0)
   {
-    Json& frames = json["frames"] = Json::array();
     for (const DicomSlice& slice : series.Slices)
     {
-      frames.push_back(slice.Frame);
+      json["frames"].push_back(slice.Frame);
     }
   }
   return json;
 }
 
-Json JsonOf(const StudyMammogram& image, const std::string& reason)
+Json JsonOf(const StudyMammogram& image)
 {
-  Json json{ { "file", image.File }, { "view", image.View },
-    { "laterality", std::string(1, image.Laterality) }, { "intent", IntentColumn(image.Intent) },
-    { "synthetic", image.Synthetic }, { "columns", image.Columns }, { "rows", image.Rows },
-    { "date", image.Date } };
-  json["thickness_mm"] = image.ThicknessMm ? Json(*image.ThicknessMm) : Json();
-  json["angle_deg"] = image.AngleDeg ? Json(*image.AngleDeg) : Json();
-  json["reason"] = reason;
-  return json;
+  const DicomHeader& header = image.Header;
+  return { { "file", header.Path }, { "view", header.View },
+    { "laterality", std::string(1, header.Laterality) },
+    { "intent", IntentColumn(header.PresentationIntent) }, { "synthetic", image.Synthetic },
+    { "columns", header.Columns }, { "rows", header.Rows }, { "date", header.AcquisitionDate },
+    { "thickness_mm", NumberOrNone(header.BodyPartThicknessMm) },
+    { "angle_deg", NumberOrNone(header.PositionerPrimaryAngleDeg) }, { "reason", image.Reason } };
 }
 }
 
-std::string StudyListing(const Study& study, const StudyChoice& choice)
+std::string StudyListing(const StudyChoice& choice)
 {
+  const Study& study = choice.Found;
   std::string text;
   char line[512];
   std::size_t slices = 0;
@@ -140,15 +150,14 @@ std::string StudyListing(const Study& study, const StudyChoice& choice)
       "description", "n", "spacing [mm]", "plane", "pos.", "sequence [ms]", "fat-sup", "contr.");
     text += line;
   }
-  for (std::size_t index = 0; index < study.Series.size(); ++index)
+  for (const StudySeries& series : study.Series)
   {
-    AddSeriesLine(study.Series[index], choice.SeriesReasons[index], text);
+    text += LineOf(series);
   }
-  std::snprintf(line, sizeof line, "mammograms: %zu\n", study.Mammograms.size());
-  text += line;
-  for (std::size_t index = 0; index < study.Mammograms.size(); ++index)
+  text += "mammograms: " + std::to_string(study.Mammograms.size()) + '\n';
+  for (const StudyMammogram& image : study.Mammograms)
   {
-    AddMammogramLine(study.Mammograms[index], choice.MammogramReasons[index], text);
+    text += LineOf(image);
   }
   std::snprintf(line, sizeof line,
     "beside them: %zu other DICOM objects, %zu copies, %zu directories, %zu damaged, %zu not "
@@ -157,17 +166,18 @@ std::string StudyListing(const Study& study, const StudyChoice& choice)
   return text + line;
 }
 
-std::string StudyJson(const Study& study, const StudyChoice& choice)
+std::string StudyJson(const StudyChoice& choice)
 {
+  const Study& study = choice.Found;
   Json json{ { "folder", study.Folder }, { "series", Json::array() },
     { "mammograms", Json::array() } };
-  for (std::size_t index = 0; index < study.Series.size(); ++index)
+  for (const StudySeries& series : study.Series)
   {
-    json["series"].push_back(JsonOf(study.Series[index], choice.SeriesReasons[index]));
+    json["series"].push_back(JsonOf(series));
   }
-  for (std::size_t index = 0; index < study.Mammograms.size(); ++index)
+  for (const StudyMammogram& image : study.Mammograms)
   {
-    json["mammograms"].push_back(JsonOf(study.Mammograms[index], choice.MammogramReasons[index]));
+    json["mammograms"].push_back(JsonOf(image));
   }
   json["other_objects"] = study.OtherObjects;
   json["copies"] = study.Copies;
@@ -175,9 +185,9 @@ std::string StudyJson(const Study& study, const StudyChoice& choice)
   json["not_dicom"] = study.NotDicom;
   json["damaged"] = study.Damaged;
   const auto series = [](const std::optional<StudySeries>& taken)
-  { return taken ? Json(taken->SeriesInstanceUid) : Json(); };
+  { return taken ? Json(taken->Header.SeriesInstanceUid) : Json(); };
   const auto file = [](const std::optional<StudyMammogram>& taken)
-  { return taken ? Json(taken->File) : Json(); };
+  { return taken ? Json(taken->Header.Path) : Json(); };
   json["taken"] = { { "plain", series(choice.Plain) },
     { "fat_suppressed", series(choice.FatSuppressed) },
     { "undetermined", series(choice.Undetermined) },

@@ -145,10 +145,9 @@ void ReadExport(const std::string& bytes)
       << bytes.substr(first, end - first);
     first = end + mark.size();
   }
-  const Study study = ReadStudy(folder.File(""));
-  const StudyChoice choice = ChooseForRegistration(study);
-  StudyJson(study, choice);
-  std::istringstream listing(StudyListing(study, choice));
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(folder.File("")));
+  StudyJson(choice);
+  std::istringstream listing(StudyListing(choice));
   for (std::string line; std::getline(listing, line);)
   {
     if (EscapeControls(line) != line)

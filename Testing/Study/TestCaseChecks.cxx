@@ -122,7 +122,7 @@ TEST(CaseChecks, LengthsInPlaceOfTheHeadersAreTold)
 TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)
 {
   RegistrationCase input;
-  input.Study = std::make_shared<const StudyIntake>();
+  input.Study = std::make_shared<const StudyChoice>();
   const auto viewed = [](const char* name, double widthMm)
   {
     RegisteredView view = Pictured('L', widthMm - 1);

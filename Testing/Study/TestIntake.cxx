@@ -25,6 +25,18 @@ using testing::Not;
 
 namespace
 {
+/// What was made of each.
+template <typename T>
+std::vector<std::string> ReasonsOf(const std::vector<T>& entries)
+{
+  std::vector<std::string> reasons;
+  for (const T& entry : entries)
+  {
+    reasons.push_back(entry.Reason);
+  }
+  return reasons;
+}
+
 std::string StudyRefusal(const MadeUpStudy& files, std::optional<char> side = {})
 {
   return RefusalOf([&] { ChooseForRegistration(ReadStudy(files.Folder()), side).Require(); });
@@ -156,12 +168,12 @@ TEST(Intake, TakesPlainAndFatSuppressedBeforeContrastAndBothViews)
   const StudyChoice choice = ChooseForRegistration(study, 'L');
   EXPECT_EQ(choice.Refusal, "");
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed && choice.Cc && choice.Mlo);
-  EXPECT_EQ(choice.Plain->SeriesInstanceUid, "1.2.4");
-  EXPECT_EQ(choice.FatSuppressed->SeriesInstanceUid, "1.2.6");
+  EXPECT_EQ(choice.Plain->Header.SeriesInstanceUid, "1.2.4");
+  EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.6");
   EXPECT_EQ(choice.FatSuppressed->Contrast, ContrastPhase::Before);
   EXPECT_EQ(choice.Position, PatientPosition::Prone);
-  EXPECT_EQ(choice.Cc->Intent, Mammogram::Intent::ForProcessing);
-  EXPECT_EQ(choice.Mlo->ThicknessMm, 52);
+  EXPECT_EQ(choice.Cc->Header.PresentationIntent, Mammogram::Intent::ForProcessing);
+  EXPECT_EQ(choice.Mlo->Header.BodyPartThicknessMm, 52);
   EXPECT_TRUE(choice.Warnings.empty());
   // Two sides: one must be named.
   EXPECT_THAT(StudyRefusal(files),
@@ -173,12 +185,12 @@ TEST(Intake, TakesPlainAndFatSuppressedBeforeContrastAndBothViews)
   EXPECT_EQ(volume.Origin, choice.Plain->Grid->Origin);
   EXPECT_THAT(ReadStudy(files.File("DICOMDIR")).Series, testing::SizeIs(5));
 
-  const std::string listing = StudyListing(study, choice);
+  const std::string listing = StudyListing(choice);
   EXPECT_THAT(listing, HasSubstr("before contrast (volume 1 of 3 of one protocol)"));
   EXPECT_THAT(listing, HasSubstr("left out: localizer"));
   EXPECT_THAT(listing, HasSubstr("the other form of the exposure"));
   EXPECT_THAT(listing, Not(HasSubstr("Doe")));
-  const auto json = nlohmann::json::parse(StudyJson(study, choice));
+  const auto json = nlohmann::json::parse(StudyJson(choice));
   EXPECT_EQ(json["taken"]["fat_suppressed"], "1.2.6");
   EXPECT_EQ(json["series"].size(), 5u);
 }
@@ -195,7 +207,7 @@ TEST(Intake, ScanOptionsThatNameFatSuppressionInOneSeriesDenyItInOthers)
   AddViews(files, "L");
   const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed);
-  EXPECT_EQ(choice.Plain->SeriesInstanceUid, "1.2.4");
+  EXPECT_EQ(choice.Plain->Header.SeriesInstanceUid, "1.2.4");
 }
 
 TEST(Intake, TextsOfAnyLengthAndKindAreShown)
@@ -208,7 +220,7 @@ TEST(Intake, TextsOfAnyLengthAndKindAreShown)
   files.Add(MadeUpMammogram("L", "CC").Set(8, 0x20, "DA", "2026\xf0\x31\x32\x35"), "MG");
   const Study study = ReadStudy(files.Folder());
   const StudyChoice choice = ChooseForRegistration(study, 'L');
-  std::istringstream listing(StudyListing(study, choice));
+  std::istringstream listing(StudyListing(choice));
   for (std::string line; std::getline(listing, line);)
   {
     EXPECT_EQ(EscapeControls(line), line);
@@ -318,8 +330,8 @@ TEST(Intake, OtherExaminationsAndPositionsAreNotMixed)
   AddViews(files, "L");
   StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
   EXPECT_FALSE(choice.Plain);
-  EXPECT_EQ(choice.FatSuppressed->SeriesInstanceUid, "1.2.6");
-  EXPECT_THAT(choice.SeriesReasons, testing::Contains(HasSubstr("older examination")));
+  EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.6");
+  EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Contains(HasSubstr("older examination")));
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("taken after contrast")));
 
   MadeUpStudy moved;
@@ -329,7 +341,7 @@ TEST(Intake, OtherExaminationsAndPositionsAreNotMixed)
   choice = ChooseForRegistration(ReadStudy(moved.Folder()));
   EXPECT_TRUE(choice.Plain);
   EXPECT_FALSE(choice.FatSuppressed);
-  EXPECT_THAT(choice.SeriesReasons, testing::Contains(HasSubstr("lay otherwise")));
+  EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Contains(HasSubstr("lay otherwise")));
 }
 
 /// What a mammogram's header says beside a CC's, and why it is left out.
@@ -375,7 +387,7 @@ TEST(Intake, EachMammogramIsJudgedByItsHeader)
   ASSERT_EQ(study.Mammograms.size(), 1 + std::size(MammogramRules));
   for (const StudyMammogram& image : study.Mammograms)
   {
-    const auto number = std::stoul(image.File.substr(image.File.rfind("IM") + 2));
+    const auto number = std::stoul(image.Header.Path.substr(image.Header.Path.rfind("IM") + 2));
     const std::string expected = number == 1 ? "" : MammogramRules[number - 2].Reason;
     EXPECT_TRUE(image.LeftOut.find(expected) != std::string::npos &&
       image.LeftOut.empty() == expected.empty())
@@ -395,9 +407,9 @@ TEST(Intake, TheNewestExposureAndOneOfItsForms)
               .Set(8, 8, "CS", "DERIVED\\PRIMARY\\TOMO\\GENERATED_2D")
               .Set(8, 0x32, "TM", "103000")); // 45
   const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
-  EXPECT_THAT(choice.Cc->File, testing::EndsWith("IM44"));
+  EXPECT_THAT(choice.Cc->Header.Path, testing::EndsWith("IM44"));
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("no MLO of the left breast")));
-  EXPECT_THAT(choice.MammogramReasons,
+  EXPECT_THAT(ReasonsOf(choice.Found.Mammograms),
     ElementsAre(HasSubstr("older"), HasSubstr("older"), HasSubstr("other form"),
       HasSubstr("taken: the newest CC, For Processing"), HasSubstr("tomosynthesis")));
 }
@@ -425,7 +437,7 @@ TEST(Intake, RefusalsSayWhatThereIs)
   unsided.AddSlices(mr);
   unsided.Add(MadeUpMammogram("", "CC"));
   EXPECT_THAT(StudyRefusal(unsided), HasSubstr("side to be named, found unnamed CC"));
-  EXPECT_EQ(ChooseForRegistration(ReadStudy(unsided.Folder()), 'R').Cc->Laterality, 'R');
+  EXPECT_EQ(ChooseForRegistration(ReadStudy(unsided.Folder()), 'R').Cc->Header.Laterality, 'R');
 
   MadeUpStudy damaged;
   damaged.AddSlices(mr, 30);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/Private/MammogramRules.h"
+#include "mammoray/Study/Private/HeaderRules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,11 +25,11 @@ StudyMammogram Exposure(const std::string& date, const std::string& time, Mammog
   bool synthetic = false)
 {
   StudyMammogram mammogram;
-  mammogram.View = "CC";
-  mammogram.Laterality = 'L';
-  mammogram.Date = date;
-  mammogram.Time = time;
-  mammogram.Intent = intent;
+  mammogram.Header.View = "CC";
+  mammogram.Header.Laterality = 'L';
+  mammogram.Header.AcquisitionDate = date;
+  mammogram.Header.AcquisitionTime = time;
+  mammogram.Header.PresentationIntent = intent;
   mammogram.Synthetic = synthetic;
   return mammogram;
 }
@@ -81,39 +81,36 @@ TEST(MammogramRules, FilmsOfBreastsAreMammogramsAndChestsAreNot)
 
 TEST(MammogramRules, TheNewestExposureAndItsFormForProcessing)
 {
-  const std::vector<StudyMammogram> mammograms{
+  std::vector<StudyMammogram> mammograms{
     Exposure("20230101", "090000", Processing), // older
     Exposure("20240101", "101502", Presentation),
     Exposure("20240101", "101459.7", Processing),       // 2.3 s apart: one exposure
     Exposure("20240101", "093000", Processing),         // that of the other day's first try
     Exposure("20250101", "101500", Presentation, true), // computed, however new
   };
-  std::vector<std::string> reasons(mammograms.size());
-  EXPECT_EQ(ChooseMammogram(mammograms, 'L', "CC", reasons), 2u);
-  EXPECT_THAT(reasons[0], HasSubstr("an older exposure"));
-  EXPECT_THAT(reasons[1], HasSubstr("the other form of the exposure"));
-  EXPECT_EQ(reasons[2], "taken: the newest CC, For Processing");
-  EXPECT_THAT(reasons[3], HasSubstr("an older exposure"));
-  EXPECT_THAT(reasons[4], HasSubstr("computed from tomosynthesis"));
+  EXPECT_EQ(ChooseMammogram(mammograms, 'L', "CC"), 2u);
+  EXPECT_THAT(mammograms[0].Reason, HasSubstr("an older exposure"));
+  EXPECT_THAT(mammograms[1].Reason, HasSubstr("the other form of the exposure"));
+  EXPECT_EQ(mammograms[2].Reason, "taken: the newest CC, For Processing");
+  EXPECT_THAT(mammograms[3].Reason, HasSubstr("an older exposure"));
+  EXPECT_THAT(mammograms[4].Reason, HasSubstr("computed from tomosynthesis"));
   // Whatever their order in the folder.
-  const std::vector<StudyMammogram> reversed(mammograms.rbegin(), mammograms.rend());
-  EXPECT_EQ(ChooseMammogram(reversed, 'L', "CC", reasons), 2u);
+  std::vector<StudyMammogram> reversed(mammograms.rbegin(), mammograms.rend());
+  EXPECT_EQ(ChooseMammogram(reversed, 'L', "CC"), 2u);
 }
 
 TEST(MammogramRules, TakesWhatThereIs)
 {
   std::vector<StudyMammogram> mammograms{ Exposure("20240101", "", Presentation, true) };
-  std::vector<std::string> reasons(1);
-  EXPECT_EQ(ChooseMammogram(mammograms, 'L', "CC", reasons), 0u);
-  EXPECT_THAT(reasons[0], HasSubstr("for want of an exposure"));
-  EXPECT_FALSE(ChooseMammogram(mammograms, 'R', "CC", reasons));
-  EXPECT_FALSE(ChooseMammogram(mammograms, 'L', "MLO", reasons));
+  EXPECT_EQ(ChooseMammogram(mammograms, 'L', "CC"), 0u);
+  EXPECT_THAT(mammograms[0].Reason, HasSubstr("for want of an exposure"));
+  EXPECT_FALSE(ChooseMammogram(mammograms, 'R', "CC"));
+  EXPECT_FALSE(ChooseMammogram(mammograms, 'L', "MLO"));
   mammograms[0].LeftOut = "implant";
-  EXPECT_FALSE(ChooseMammogram(mammograms, 'L', "CC", reasons));
+  EXPECT_FALSE(ChooseMammogram(mammograms, 'L', "CC"));
   // Across a minute and an hour.
-  const std::vector<StudyMammogram> late{ Exposure("20240101", "105959", Processing),
+  std::vector<StudyMammogram> late{ Exposure("20240101", "105959", Processing),
     Exposure("20240101", "110003", Presentation) };
-  std::vector<std::string> lateReasons(2);
-  EXPECT_EQ(ChooseMammogram(late, 'L', "CC", lateReasons), 0u);
+  EXPECT_EQ(ChooseMammogram(late, 'L', "CC"), 0u);
 }
 }

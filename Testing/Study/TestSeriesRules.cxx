@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/Private/SeriesRules.h"
+#include "mammoray/Study/Private/HeaderRules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <functional>
 
 namespace
 {
@@ -14,10 +14,10 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 /// A T1-weighted gradient echo of 60 axial slices over 320 x 320 x 120 mm, prone.
-SeriesCandidate PlainCandidate(const std::string& description = "t1")
+StudySeries PlainSeries(const std::string& description = "t1")
 {
-  SeriesCandidate candidate;
-  DicomHeader& header = candidate.First;
+  StudySeries series;
+  DicomHeader& header = series.Header;
   header.SeriesDescription = description;
   header.Manufacturer = "GE MEDICAL SYSTEMS";
   header.Identity.StudyInstanceUid = "1.2";
@@ -29,29 +29,29 @@ SeriesCandidate PlainCandidate(const std::string& description = "t1")
   header.Rows = header.Columns = 320;
   header.Position = Vector3{ -160, -160, 0 };
   header.PatientPosition = "HFP";
-  candidate.Series.Slices.assign(60, { "file" });
+  series.Slices.assign(60, { "file" });
   VolumeGrid grid;
   grid.Size = { 320, 320, 60 };
   grid.Spacing = { 1, 1, 2 };
   grid.Origin = { -160, -160, 0 };
-  candidate.Series.Grid = grid;
-  return candidate;
+  series.Grid = grid;
+  return series;
 }
 
 StudySeries Described(const std::string& description)
 {
-  SeriesCandidate candidate = PlainCandidate(description);
-  DescribeSeries(candidate);
-  return candidate.Series;
+  StudySeries series = PlainSeries(description);
+  DescribeSeries(series);
+  return series;
 }
 
 /// What the words of one series alone say of contrast.
 ContrastPhase PhaseByWords(const std::string& description)
 {
-  std::vector<SeriesCandidate> candidates{ PlainCandidate(description) };
-  DescribeSeries(candidates.front());
-  FindContrastPhases(candidates);
-  return candidates.front().Series.Contrast;
+  std::vector<StudySeries> all{ PlainSeries(description) };
+  DescribeSeries(all.front());
+  CompareSeries(all);
+  return all.front().Contrast;
 }
 
 TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
@@ -84,52 +84,51 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
 
 TEST(SeriesRules, CountedPhasesAreBeforeUpToTheCount)
 {
-  std::vector<SeriesCandidate> candidates;
+  std::vector<StudySeries> all;
   for (int acquisition = 1; acquisition <= 4; ++acquisition)
   {
-    SeriesCandidate candidate = PlainCandidate("dyn 1+3");
-    candidate.First.AcquisitionNumber = acquisition;
-    candidates.push_back(candidate);
+    StudySeries series = PlainSeries("dyn 1+3");
+    series.Header.AcquisitionNumber = acquisition;
+    all.push_back(series);
   }
-  FindContrastPhases(candidates);
-  EXPECT_EQ(candidates[0].Series.Contrast, ContrastPhase::Before);
+  CompareSeries(all);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Before);
   for (std::size_t phase = 1; phase < 4; ++phase)
   {
-    EXPECT_EQ(candidates[phase].Series.Contrast, ContrastPhase::After);
+    EXPECT_EQ(all[phase].Contrast, ContrastPhase::After);
   }
 }
 
 TEST(SeriesRules, VolumesOfOneProtocolAndWhatFollowsThem)
 {
-  std::vector<SeriesCandidate> candidates{ PlainCandidate("t1 tra"), PlainCandidate("dyn 1"),
-    PlainCandidate("dyn 2"), PlainCandidate("t1 cor"), PlainCandidate("t1 old") };
-  candidates[4].First.Identity.StudyInstanceUid = "1.3";
-  for (SeriesCandidate& candidate : candidates)
+  std::vector<StudySeries> all{ PlainSeries("t1 tra"), PlainSeries("dyn 1"), PlainSeries("dyn 2"),
+    PlainSeries("t1 cor"), PlainSeries("t1 old") };
+  all[4].Header.Identity.StudyInstanceUid = "1.3";
+  for (StudySeries& series : all)
   {
-    DescribeSeries(candidate);
+    DescribeSeries(series);
   }
-  FindContrastPhases(candidates);
-  EXPECT_EQ(candidates[0].Series.Contrast, ContrastPhase::Unknown);
-  EXPECT_EQ(candidates[1].Series.Contrast, ContrastPhase::Before);
-  EXPECT_EQ(candidates[2].Series.Contrast, ContrastPhase::After);
-  EXPECT_EQ(candidates[3].Series.Contrast, ContrastPhase::After);   // taken after one with contrast
-  EXPECT_EQ(candidates[4].Series.Contrast, ContrastPhase::Unknown); // another examination
+  CompareSeries(all);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Unknown);
+  EXPECT_EQ(all[1].Contrast, ContrastPhase::Before);
+  EXPECT_EQ(all[2].Contrast, ContrastPhase::After);
+  EXPECT_EQ(all[3].Contrast, ContrastPhase::After);   // taken after one with contrast
+  EXPECT_EQ(all[4].Contrast, ContrastPhase::Unknown); // another examination
 }
 
 TEST(SeriesRules, AnAgentTellsWhereNotAllHeadersNameIt)
 {
-  std::vector<SeriesCandidate> candidates{ PlainCandidate("a"), PlainCandidate("b"),
-    PlainCandidate("c") };
-  candidates[1].First.ContrastAgent = "Gadovist 7 ml";
-  candidates[2].First.ContrastAgent = "NO";
-  candidates[2].First.SeriesTime = "090000";
-  std::vector<SeriesCandidate> all = candidates;
-  all[0].First.ContrastAgent = all[2].First.ContrastAgent = "Gadovist 7 ml";
-  FindContrastPhases(candidates);
-  EXPECT_EQ(candidates[0].Series.Contrast, ContrastPhase::Unknown);
-  EXPECT_EQ(candidates[1].Series.Contrast, ContrastPhase::After);
-  FindContrastPhases(all);
-  EXPECT_EQ(all[1].Series.Contrast, ContrastPhase::Unknown); // named in every header
+  std::vector<StudySeries> some{ PlainSeries("a"), PlainSeries("b"), PlainSeries("c") };
+  some[1].Header.ContrastAgent = "Gadovist 7 ml";
+  some[2].Header.ContrastAgent = "NO";
+  some[2].Header.SeriesTime = "090000";
+  std::vector<StudySeries> all = some;
+  all[0].Header.ContrastAgent = all[2].Header.ContrastAgent = "Gadovist 7 ml";
+  CompareSeries(some);
+  EXPECT_EQ(some[0].Contrast, ContrastPhase::Unknown);
+  EXPECT_EQ(some[1].Contrast, ContrastPhase::After);
+  CompareSeries(all);
+  EXPECT_EQ(all[1].Contrast, ContrastPhase::Unknown); // named in every header
 }
 
 TEST(SeriesRules, LocalizersAndLateWordsInAnyEncoding)
@@ -143,16 +142,16 @@ TEST(SeriesRules, LocalizersAndLateWordsInAnyEncoding)
 
 TEST(SeriesRules, WeightingGoesByNumbersBeforeWords)
 {
-  SeriesCandidate candidate = PlainCandidate("breast");
-  DicomHeader& header = candidate.First;
+  StudySeries series = PlainSeries("breast");
+  DicomHeader& header = series.Header;
   const auto leftOut = [&](const char* sequence, double tr, double te)
   {
     header.ScanningSequence = { sequence };
     header.RepetitionTimeMs = tr;
     header.EchoTimeMs = te;
-    candidate.Series.LeftOut.clear();
-    DescribeSeries(candidate);
-    return candidate.Series.LeftOut;
+    series.LeftOut.clear();
+    DescribeSeries(series);
+    return series.LeftOut;
   };
   EXPECT_THAT(leftOut("SE", 600, 12), IsEmpty());
   EXPECT_THAT(leftOut("SE", 4000, 90), StartsWith("T2-weighted (TR 4000 TE 90 ms)"));
@@ -166,78 +165,79 @@ TEST(SeriesRules, WeightingGoesByNumbersBeforeWords)
 
 TEST(SeriesRules, FatSuppressionByOptionsThenByWords)
 {
-  SeriesCandidate candidate = PlainCandidate("t1 non fat sat");
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Fat, FatSuppression::Absent);
-  candidate.First.ScanOptions = { "PFP", "FS" };
-  candidate.First.HasScanOptions = true;
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Fat, FatSuppression::Present); // what the scanner did
-  EXPECT_EQ(candidate.Series.FatEvidence, "ScanOptions FS");
+  StudySeries series = PlainSeries("t1 non fat sat");
+  DescribeSeries(series);
+  EXPECT_EQ(series.Fat, FatSuppression::Absent);
+  series.Header.ScanOptions = { "PFP", "FS" };
+  series.Header.HasScanOptions = true;
+  DescribeSeries(series);
+  EXPECT_EQ(series.Fat, FatSuppression::Present); // what the scanner did
+  EXPECT_EQ(series.FatEvidence, "ScanOptions FS");
   // Beside such a series of the same examination, options without it deny it.
-  SeriesCandidate silent = PlainCandidate("t1");
-  silent.First.HasScanOptions = true;
-  SeriesCandidate other = silent;
-  other.First.Identity.StudyInstanceUid = "1.3";
-  SeriesCandidate without = silent;
-  without.First.HasScanOptions = false;
-  std::vector<SeriesCandidate> candidates{ candidate, silent, other, without };
-  for (SeriesCandidate& each : candidates)
+  StudySeries silent = PlainSeries("t1");
+  silent.Header.HasScanOptions = true;
+  StudySeries other = silent;
+  other.Header.Identity.StudyInstanceUid = "1.3";
+  StudySeries without = silent;
+  without.Header.HasScanOptions = false;
+  std::vector<StudySeries> all{ series, silent, other, without };
+  for (StudySeries& each : all)
   {
     DescribeSeries(each);
   }
-  CompareScanOptions(candidates);
-  EXPECT_EQ(candidates[1].Series.Fat, FatSuppression::Absent);
-  EXPECT_EQ(candidates[2].Series.Fat, FatSuppression::Unknown);
-  EXPECT_EQ(candidates[3].Series.Fat, FatSuppression::Unknown);
+  CompareSeries(all);
+  EXPECT_EQ(all[1].Fat, FatSuppression::Absent);
+  EXPECT_EQ(all[2].Fat, FatSuppression::Unknown);
+  EXPECT_EQ(all[3].Fat, FatSuppression::Unknown);
 }
 
 TEST(SeriesRules, SideAndPlaneComeFromTheGrid)
 {
-  SeriesCandidate candidate = PlainCandidate();
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Side, 'B');
-  EXPECT_EQ(candidate.Series.Plane, "axial");
-  EXPECT_EQ(candidate.Series.Position, PatientPosition::Prone);
+  StudySeries series = PlainSeries();
+  DescribeSeries(series);
+  EXPECT_EQ(series.Side, 'B');
+  EXPECT_EQ(series.Plane, "axial");
+  EXPECT_EQ(series.Position, PatientPosition::Prone);
   // Sagittal slices of one breast: 150 mm from left to right, the middle 100 mm to the left.
-  candidate.First.AlongRow = { 0, 1, 0 };
-  candidate.First.AlongColumn = { 0, 0, -1 };
-  candidate.First.PatientPosition = "FFS";
-  VolumeGrid& grid = *candidate.Series.Grid;
+  series.Header.AlongRow = { 0, 1, 0 };
+  series.Header.AlongColumn = { 0, 0, -1 };
+  series.Header.PatientPosition = "FFS";
+  VolumeGrid& grid = *series.Grid;
   grid.Size = { 200, 200, 50 };
   grid.Spacing = { 1, 1, 3 };
   grid.Direction = { { { 0, 1, 0 }, { 0, 0, -1 }, { -1, 0, 0 } } };
   grid.Origin = { 173.5, -100, 100 };
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Side, 'L');
-  EXPECT_EQ(candidate.Series.Plane, "sagittal");
-  EXPECT_EQ(candidate.Series.Position, PatientPosition::Supine);
+  DescribeSeries(series);
+  EXPECT_EQ(series.Side, 'L');
+  EXPECT_EQ(series.Plane, "sagittal");
+  EXPECT_EQ(series.Position, PatientPosition::Supine);
   grid.Origin[0] = -26.5;
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Side, 'R');
+  DescribeSeries(series);
+  EXPECT_EQ(series.Side, 'R');
   grid.Origin[0] = 73.5 + 20; // 20 mm beside the middle
-  DescribeSeries(candidate);
-  EXPECT_EQ(candidate.Series.Side, '?');
+  DescribeSeries(series);
+  EXPECT_EQ(series.Side, '?');
 }
 
 TEST(SeriesRules, VolumesOfNoBreastSayWhy)
 {
-  EXPECT_THAT(WhyNoBreastVolume(PlainCandidate()), IsEmpty());
-  SeriesCandidate few = PlainCandidate();
-  few.Series.Slices.resize(FewestSlicesOfBreast - 1);
-  EXPECT_THAT(WhyNoBreastVolume(few), HasSubstr("too few slices (11)"));
-  SeriesCandidate irregular = PlainCandidate();
-  irregular.Series.Grid.reset();
-  EXPECT_THAT(WhyNoBreastVolume(irregular), HasSubstr("missing slices"));
-  SeriesCandidate coarse = PlainCandidate();
-  coarse.Series.Grid->Spacing[2] = 6.5;
-  EXPECT_THAT(WhyNoBreastVolume(coarse), HasSubstr("voxels of 6.5 mm, at most 6"));
-  SeriesCandidate small = PlainCandidate();
-  small.Series.Grid->Size[2] = 30;
-  EXPECT_THAT(WhyNoBreastVolume(small), HasSubstr("60 mm from head to foot"));
-  SeriesCandidate nowhere = PlainCandidate();
-  nowhere.First.Position.reset();
-  EXPECT_THAT(WhyNoBreastVolume(nowhere), HasSubstr("no place in the patient"));
+  const auto leftOut = [](const std::function<void(StudySeries&)>& change)
+  {
+    StudySeries series = PlainSeries();
+    change(series);
+    DescribeSeries(series);
+    return series.LeftOut;
+  };
+  using S = StudySeries;
+  EXPECT_THAT(leftOut([](S&) {}), IsEmpty());
+  EXPECT_THAT(leftOut([](S& s) { s.Slices.resize(FewestSlicesOfBreast - 1); }),
+    HasSubstr("too few slices (11)"));
+  EXPECT_THAT(leftOut([](S& s) { s.Grid.reset(); }), HasSubstr("missing slices"));
+  EXPECT_THAT(leftOut([](S& s) { s.Grid->Spacing[2] = 6.5; }),
+    HasSubstr("voxels of 6.5 mm, at most 6"));
+  EXPECT_THAT(leftOut([](S& s) { s.Grid->Size[2] = 30; }), HasSubstr("60 mm from head to foot"));
+  EXPECT_THAT(leftOut([](S& s) { s.Header.Position.reset(); }),
+    HasSubstr("no place in the patient"));
 }
 
 TEST(SeriesRules, MomentsSortAsTheyPassed)

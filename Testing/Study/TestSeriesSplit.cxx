@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/Private/SeriesSplit.h"
+#include "mammoray/Study/Private/HeaderRules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ TEST(SeriesSplit, OneVolumeIsInTheOrderOfItsGrid)
 {
   const auto volumes = SplitIntoVolumes(ShuffledSlices(20, 1, AsMade));
   ASSERT_EQ(volumes.size(), 1u);
-  const StudySeries& series = volumes.front().Series;
+  const StudySeries& series = volumes.front();
   ASSERT_TRUE(series.Grid);
   EXPECT_EQ(series.Grid->Size, (std::array<int, 3>{ 64, 64, 20 }));
   EXPECT_DOUBLE_EQ(series.Grid->Spacing[2], 2);
@@ -79,7 +79,7 @@ TEST(SeriesSplit, PhasesAreToldApartByWhatTellsThem)
     ASSERT_EQ(volumes.size(), 3u) << key;
     for (int phase = 0; phase < 3; ++phase)
     {
-      const StudySeries& series = volumes[static_cast<std::size_t>(phase)].Series;
+      const StudySeries& series = volumes[static_cast<std::size_t>(phase)];
       EXPECT_EQ(series.Phase, phase + 1) << key;
       EXPECT_EQ(series.Phases, 3) << key;
       ASSERT_TRUE(series.Grid) << key;
@@ -98,7 +98,7 @@ TEST(SeriesSplit, KindsEchoesAndSeriesAreApart)
   const auto echoes = SplitIntoVolumes(
     ShuffledSlices(15, 2, [](DicomHeader& h, int, int phase) { h.EchoTimeMs = 2.4 + phase; }));
   EXPECT_EQ(echoes.size(), 2u);
-  EXPECT_EQ(echoes.front().Series.Phases, 1);
+  EXPECT_EQ(echoes.front().Phases, 1);
   const auto series = SplitIntoVolumes(ShuffledSlices(15, 2,
     [](DicomHeader& h, int, int phase) { h.SeriesInstanceUid += std::to_string(phase); }));
   EXPECT_EQ(series.size(), 2u);
@@ -119,15 +119,15 @@ TEST(SeriesSplit, LocalizersAndGapsHaveNoGrid)
       h.AlongRow = slice % 2 == 0 ? Vector3{ 1, 0, 0 } : Vector3{ 0, 0, 1 };
     }));
   ASSERT_EQ(planes.size(), 1u);
-  EXPECT_THAT(planes.front().Series.LeftOut, testing::HasSubstr("several directions"));
+  EXPECT_THAT(planes.front().LeftOut, testing::HasSubstr("several directions"));
   const auto gap = SplitIntoVolumes(ShuffledSlices(20, 1,
     [](DicomHeader& h, int slice, int) { (*h.Position)[2] += slice > 9 ? 2 : 0; }));
   ASSERT_EQ(gap.size(), 1u);
-  EXPECT_FALSE(gap.front().Series.Grid);
-  EXPECT_EQ(gap.front().Series.Files.size(), 20u);
+  EXPECT_FALSE(gap.front().Grid);
+  EXPECT_EQ(gap.front().Files.size(), 20u);
   const auto nowhere =
     SplitIntoVolumes(ShuffledSlices(20, 1, [](DicomHeader& h, int, int) { h.Position.reset(); }));
   ASSERT_EQ(nowhere.size(), 1u);
-  EXPECT_FALSE(nowhere.front().Series.Grid);
+  EXPECT_FALSE(nowhere.front().Grid);
 }
 }

@@ -71,8 +71,8 @@ TEST(StudyCase, IsFilledFromTheExport)
   input.Mammograms = { "another.dcm" };
   TakeStudy(study.Folder(), 'L', input);
   ASSERT_EQ(input.Mammograms.size(), 2u);
-  EXPECT_EQ(input.Mammograms[0], input.Study->Choice.Cc->File);
-  EXPECT_EQ(input.Mammograms[1], input.Study->Choice.Mlo->File);
+  EXPECT_EQ(input.Mammograms[0], input.Study->Cc->Header.Path);
+  EXPECT_EQ(input.Mammograms[1], input.Study->Mlo->Header.Path);
   EXPECT_EQ(input.Laterality, "L");
   EXPECT_EQ(input.Materials, "segment");
   EXPECT_EQ(input.ImagePosition, PatientPosition::Prone);
@@ -118,7 +118,7 @@ TEST(StudyCase, RefusesWhatCannotBeRegistered)
   other.Add(MadeUpMammogram("L", "CC"));
   EXPECT_THAT(refusal(other, 'R'), HasSubstr("of the right breast, found left CC"));
   TakeStudy(other.Folder(), {}, input);
-  EXPECT_THAT(input.Study->Choice.Warnings, Contains(HasSubstr("no MLO of the left breast")));
+  EXPECT_THAT(input.Study->Warnings, Contains(HasSubstr("no MLO of the left breast")));
 
   MadeUpHeader stranger = MadeUpMammogram("L", "MLO");
   stranger.Set(0x10, 0x20, "LO", "P2").Set(0x10, 0x30, "DA", "19510203");

@@ -17,6 +17,18 @@ using testing::HasSubstr;
 
 namespace
 {
+/// What was made of each.
+template <typename T>
+std::vector<std::string> ReasonsOf(const std::vector<T>& entries)
+{
+  std::vector<std::string> reasons;
+  for (const T& entry : entries)
+  {
+    reasons.push_back(entry.Reason);
+  }
+  return reasons;
+}
+
 /// Thirty axial slices, 3 mm apart, of each phase.
 MadeUpObject Dynamic(int phases)
 {
@@ -67,7 +79,7 @@ TEST(StudyForms, PhasesOfOneEnhancedObject)
   const IntensityVolume volume = ReadIntensitySlices(choice.FatSuppressed->Slices);
   EXPECT_EQ(volume.Origin, choice.FatSuppressed->Grid->Origin);
   EXPECT_EQ(volume.Voxels[volume.Index(1, 2, 17)], 117);
-  const auto json = nlohmann::json::parse(StudyJson(study, choice));
+  const auto json = nlohmann::json::parse(StudyJson(choice));
   EXPECT_EQ(json["series"][0]["frames"].size(), 30u);
   EXPECT_EQ(json["series"][1]["frames"][0], 31);
 }
@@ -94,7 +106,7 @@ TEST(StudyForms, WaterAndFatOfOneEnhancedObject)
   ASSERT_TRUE(choice.FatSuppressed);
   EXPECT_FALSE(choice.Plain);
   EXPECT_EQ(choice.FatSuppressed->Slices.back().Frame, 30);
-  EXPECT_THAT(choice.SeriesReasons, testing::Contains(HasSubstr("fat alone")));
+  EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Contains(HasSubstr("fat alone")));
 }
 
 TEST(StudyForms, ASeriesInSeveralFoldersAndWithItsSlicesInterleaved)
@@ -132,7 +144,8 @@ TEST(StudyForms, SagittalSlabsOfBothBreastsInOneSeries)
   EXPECT_EQ(choice.Plain->Plane, "sagittal");
   // Their normal leads to the right, so that the first layer is the outermost one.
   EXPECT_NEAR(choice.Plain->Grid->Origin[0], 50 + 3 * 34, 1e-9);
-  EXPECT_THAT(choice.SeriesReasons, testing::Contains(HasSubstr("shows the right breast only")));
+  EXPECT_THAT(ReasonsOf(choice.Found.Series),
+    testing::Contains(HasSubstr("shows the right breast only")));
 
   // A breast in the middle of the magnet is the one that is named.
   for (const auto& [description, side] :
@@ -157,7 +170,7 @@ TEST(StudyForms, MissingSlicesAreCountedAndAnotherSeriesIsTaken)
   files.AddSlices(MadeUpMr("1.2.6", "t1_post"));
   const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
   EXPECT_EQ(choice.Refusal, "");
-  EXPECT_EQ(choice.Plain->SeriesInstanceUid, "1.2.6");
+  EXPECT_EQ(choice.Plain->Header.SeriesInstanceUid, "1.2.6");
 }
 
 TEST(StudyForms, SidesThatOnlyDescriptionsName)
@@ -168,8 +181,8 @@ TEST(StudyForms, SidesThatOnlyDescriptionsName)
   files.Add(MadeUpMammogram("", "CC").Set(8, 0x103e, "LO", "R-CC"), "MG");
   files.Add(MadeUpMammogram("", "CC").Set(8, 0x103e, "LO", "LCC ID"), "MG");
   const Study study = ReadStudy(files.Folder());
-  EXPECT_EQ(ChooseForRegistration(study, 'R').Cc->Laterality, 'R');
-  EXPECT_EQ(ChooseForRegistration(study, 'L').Cc->Laterality, 'L');
-  EXPECT_THAT(ChooseForRegistration(study, 'L').MammogramReasons,
+  EXPECT_EQ(ChooseForRegistration(study, 'R').Cc->Header.Laterality, 'R');
+  EXPECT_EQ(ChooseForRegistration(study, 'L').Cc->Header.Laterality, 'L');
+  EXPECT_THAT(ReasonsOf(ChooseForRegistration(study, 'L').Found.Mammograms),
     testing::Contains("left out: implant displaced view"));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
-#include "mammoray/Study/Private/StudyPatients.h"
+#include "mammoray/Study/Private/HeaderRules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

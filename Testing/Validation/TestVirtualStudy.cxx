@@ -170,7 +170,7 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
   EXPECT_EQ(choice.Position, PatientPosition::Prone);
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed && choice.Cc && choice.Mlo);
   EXPECT_EQ(choice.FatSuppressed->Contrast, ContrastPhase::Before);
-  EXPECT_EQ(choice.Cc->File, path + "/" + truth.Views[0].File);
+  EXPECT_EQ(choice.Cc->Header.Path, path + "/" + truth.Views[0].File);
 
   // The MRI: where it is dark without and bright with fat suppression is gland.
   const IntensityVolume plain = ReadIntensitySeries(choice.Plain->Files);

@@ -2,7 +2,6 @@
 #include "Private/PictureResiduals.h"
 
 #include "Private/PictureFeatures.h"
-#include "Private/Silhouette.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchStart.h"
 
-#include "Private/Silhouette.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>

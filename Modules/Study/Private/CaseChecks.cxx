@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CaseChecks.h"
 
-#include "Private/MammogramRules.h"
+#include "Private/HeaderRules.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MammographyGeometry.h"

@@ -3,6 +3,7 @@
 #define mammoray_Hanging_h
 
 #include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayStudyModule.h"
 
 #include <array>

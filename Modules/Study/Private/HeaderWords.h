@@ -1,90 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
+// Words that people and scanners write into headers.
 #ifndef mammoray_Private_HeaderWords_h
 #define mammoray_Private_HeaderWords_h
 
-#include <algorithm>
-#include <cctype>
+#include "mammorayStudyModule.h"
+
 #include <initializer_list>
-#include <map>
-#include <regex>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mammoray
 {
-/// A text of a header in lower case, everything but letters, digits and '+' turned into one blank.
-inline std::string HeaderWords(const std::string& text)
+/// Meaning of words in the descriptions of series and mammograms.
+enum class HeaderMeaning
 {
-  std::string words;
-  for (const char letter : text)
-  {
-    const auto c = static_cast<unsigned char>(letter);
-    // Letters beyond ASCII stay as they are.
-    const bool kept = std::isalnum(c) != 0 || c >= 0x80 || letter == '+';
-    if (kept)
-    {
-      words.push_back(static_cast<char>(std::tolower(c)));
-    }
-    else if (!words.empty() && words.back() != ' ')
-    {
-      words.push_back(' ');
-    }
-  }
-  return words;
-}
+  Left,
+  Right,
+  // Kinds of MRI that no tissue is segmented from.
+  Projection,
+  Subtraction,
+  Localizer,
+  Calibration,
+  Diffusion,
+  ComputedMap,
+  Reformat,
+  PhaseImage,
+  Spectrum,
+  // Dixon reconstructions. The second four count only in a description that names the technique.
+  WaterImage,
+  FatImage,
+  InPhaseImage,
+  OutOfPhaseImage,
+  DixonTechnique,
+  DixonWater,
+  DixonFat,
+  DixonInPhase,
+  DixonOutOfPhase,
+  // Fat suppression.
+  FatSuppressed,
+  NotFatSuppressed,
+  // Weighting.
+  InversionRecovery,
+  SteadyState,
+  NamedWeighting,
+  T1Sequence,
+  // Contrast agent.
+  BeforeContrast,
+  AfterContrast,
+  NoAgent,
+  // Mammograms.
+  LeftMammogram,
+  RightMammogram,
+  ContrastMammogram,
+  Biopsy,
+  ImplantDisplaced,
+  Magnified,
+  SpotCompression,
+  SyntheticMammogram
+};
 
-/// The first match of a pattern of whole words in HeaderWords; empty where there is none.
-inline std::string FindWords(const std::string& words, const char* pattern)
+/// A row of the vocabulary of scanners (Siemens, GE, Philips) and sites: a list of words.
+struct HeaderVocabularyRow
 {
-  // Made once: that takes longer than all looking.
-  thread_local std::map<std::string, std::regex> made;
-  const auto [whole, isNew] = made.try_emplace(pattern);
-  if (isNew)
-  {
-    whole->second = std::regex(std::string("(?:^| )(") + pattern + ")(?= |$)");
-  }
-  std::smatch match;
-  return std::regex_search(words, match, whole->second) ? match[1].str() : std::string();
-}
+  HeaderMeaning Meaning;
+  /// Language code, or "" for terms that all sites use.
+  const char* Language;
+  /// Regular expressions, separated by '|', for whole words in lower case without accents. <fat>
+  /// stands for words for fat suppression, <agent> and <given> for words for a contrast agent.
+  const char* Words;
+  /// A description for each expression, separated by commas.
+  const char* Examples;
+};
 
-/// The side that HeaderWords name in one of several languages, 'L' or 'R', where given also by a
-/// further pattern for each; '?' where they name none or both.
-inline char SideInWords(const std::string& words, const char* alsoLeft = nullptr,
-  const char* alsoRight = nullptr)
-{
-  const auto names = [&words](const char* pattern, const char* also)
-  { return !FindWords(words, pattern).empty() || (also && !FindWords(words, also).empty()); };
-  const bool left = names("left|lt|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*", alsoLeft);
-  const bool right = names("right|rt|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*", alsoRight);
-  return left == right ? '?' : left ? 'L' : 'R';
-}
+/// The vocabulary. Where two expressions of one meaning match at one place, the earlier one counts.
+MAMMORAYSTUDY_EXPORT const std::vector<HeaderVocabularyRow>& HeaderVocabulary();
 
-/// The first of a header's values that is one of these; empty where none is.
-inline std::string FindValue(const std::vector<std::string>& values,
-  std::initializer_list<const char*> wanted)
-{
-  const auto found = std::find_if(values.begin(), values.end(),
-    [&](const std::string& value)
-    { return std::find(wanted.begin(), wanted.end(), value) != wanted.end(); });
-  return found == values.end() ? std::string() : *found;
-}
+/// The regular expression of a row, its placeholders replaced.
+MAMMORAYSTUDY_EXPORT std::string PatternOf(const HeaderVocabularyRow& row);
 
-/// The first value that holds one of these parts.
-inline std::string FindPart(const std::vector<std::string>& values,
-  std::initializer_list<const char*> parts)
+/// A header's text in lower case, everything but letters, digits and '+' replaced by one blank.
+MAMMORAYSTUDY_EXPORT std::string HeaderWords(const std::string& text);
+
+/// The same with accented letters of UTF-8 and Latin 1 replaced by plain ones.
+MAMMORAYSTUDY_EXPORT std::string PlainWords(const std::string& text);
+
+/// The first words with this meaning in PlainWords. Empty if there are none.
+MAMMORAYSTUDY_EXPORT std::string FindMeaning(const std::string& words, HeaderMeaning meaning);
+
+/// The side that PlainWords name, 'L' or 'R'. '?' if they name none or both. `ofMammogram`: short
+/// words such as "l" and "rcc" count, too.
+MAMMORAYSTUDY_EXPORT char SideInWords(const std::string& words, bool ofMammogram = false);
+
+/// The first of a header's values that equals one of `wanted`. Empty if none does.
+MAMMORAYSTUDY_EXPORT std::string FindValue(const std::vector<std::string>& values,
+  std::initializer_list<const char*> wanted);
+
+/// The first of a header's values that contains one of `parts`. Empty if none does.
+MAMMORAYSTUDY_EXPORT std::string FindPart(const std::vector<std::string>& values,
+  std::initializer_list<const char*> parts);
+
+/// A kind of image. An image is of this kind if its Image Type has one of `Values`, or a value that
+/// contains one of `Parts`, or if its description has the meaning.
+struct ImageKind
 {
-  for (const std::string& value : values)
-  {
-    for (const char* part : parts)
-    {
-      if (value.find(part) != std::string::npos)
-      {
-        return value;
-      }
-    }
-  }
-  return {};
-}
+  const char* Name;
+  HeaderMeaning Meaning;
+  std::initializer_list<const char*> Values;
+  std::initializer_list<const char*> Parts;
+};
+
+/// A kind that was found. Name is empty if there is none.
+struct FoundKind
+{
+  std::string_view Name;
+  /// What in the header shows it: "ImageType SUB", "description 'sub'".
+  std::string Evidence;
+};
+
+/// The first of `kinds` that an image is of. `words`: PlainWords of its description.
+FoundKind FindKind(std::span<const ImageKind> kinds, const std::vector<std::string>& imageType,
+  const std::string& words);
 }
 
 #endif

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/MammogramRules.h"
-
+#include "Private/HeaderRules.h"
 #include "Private/HeaderWords.h"
 
 #include <algorithm>
@@ -14,13 +13,22 @@ namespace
 constexpr const char* TomosynthesisClass = "1.2.840.10008.5.1.4.1.1.13.1.3";
 constexpr const char* ProjectionClass = "1.2.840.10008.5.1.4.1.1.13.1.4";
 
+const ImageKind UnusableMammograms[] = {
+  { "contrast mammography (high energy or recombined)", HeaderMeaning::ContrastMammogram,
+    { "SUBTRACTION", "RECOMBINED", "HIGH_ENERGY" }, {} },
+  { "specimen or biopsy", HeaderMeaning::Biopsy, {}, { "STEREO", "BIOPSY" } },
+  { "implant displaced view", HeaderMeaning::ImplantDisplaced, {}, {} },
+  { "magnification view", HeaderMeaning::Magnified, {}, {} },
+  { "spot compression view", HeaderMeaning::SpotCompression, {}, {} },
+};
+
 std::string WhyLeftOut(const DicomHeader& header)
 {
   if (header.Modality != "MG")
   {
     return "modality " + header.Modality + ", not a digital mammogram";
   }
-  if (header.SamplesPerPixel > 1 || header.SopClassUid.starts_with("1.2.840.10008.5.1.4.1.1.7"))
+  if (header.SamplesPerPixel > 1 || header.SopClassUid.starts_with(SecondaryCaptureClass))
   {
     return "screenshot (colours or secondary capture)";
   }
@@ -37,9 +45,10 @@ std::string WhyLeftOut(const DicomHeader& header)
   return reason.empty() && header.View.empty() ? "its header names no view" : reason;
 }
 
-/// Seconds of the day of HHMMSS; negative where there is none.
-double SecondsOf(const std::string& time)
+/// Seconds of the day of HHMMSS. Negative if there is no time.
+double SecondsOf(const StudyMammogram& mammogram)
 {
+  const std::string& time = mammogram.Header.AcquisitionTime;
   if (time.size() < 6)
   {
     return -1;
@@ -53,26 +62,29 @@ double SecondsOf(const std::string& time)
 /// Forms of one exposure are stored within seconds of each other.
 bool SameExposure(const StudyMammogram& a, const StudyMammogram& b)
 {
-  const double first = SecondsOf(a.Time);
-  const double second = SecondsOf(b.Time);
-  return a.Date == b.Date && (first < 0 || second < 0 || std::abs(first - second) <= 10);
+  const double first = SecondsOf(a);
+  const double second = SecondsOf(b);
+  return a.Header.AcquisitionDate == b.Header.AcquisitionDate &&
+    (first < 0 || second < 0 || std::abs(first - second) <= 10);
+}
+
+bool IsForProcessing(const StudyMammogram& mammogram)
+{
+  return mammogram.Header.PresentationIntent == Mammogram::Intent::ForProcessing;
+}
+
+/// Whether a mammogram is the better choice of those of one side and view.
+bool IsNewer(const StudyMammogram& a, const StudyMammogram& b)
+{
+  return a.Synthetic != b.Synthetic ? !a.Synthetic
+    : a.Header.AcquisitionDate != b.Header.AcquisitionDate
+    ? a.Header.AcquisitionDate > b.Header.AcquisitionDate
+    : SecondsOf(a) > SecondsOf(b);
 }
 }
 
 std::string WhyNotWholeBreast(const DicomHeader& header)
 {
-  const std::string words = HeaderWords(header.SeriesDescription) + ' ' + HeaderWords(header.View) +
-    ' ' + HeaderWords(header.PaddleDescription);
-  if (!FindValue(header.ImageType, { "SUBTRACTION", "RECOMBINED", "HIGH_ENERGY" }).empty() ||
-    !FindWords(words, "recombined|subtracted|subtraction|high energy|he").empty())
-  {
-    return "contrast mammography (high energy or recombined)";
-  }
-  if (!FindPart(header.ImageType, { "STEREO", "BIOPSY" }).empty() ||
-    !FindWords(words, "stereo\\w*|biops\\w*|scout|wire|specimen|probe|stanz\\w*").empty())
-  {
-    return "specimen or biopsy";
-  }
   for (const std::string& modifier : header.ViewModifiers)
   {
     if (const std::string text = HeaderWords(modifier); text != "nipple in profile")
@@ -80,28 +92,14 @@ std::string WhyNotWholeBreast(const DicomHeader& header)
       return text + " view";
     }
   }
-  if (!FindWords(words, "id|implant displaced|eklund|cc ?id|mlo ?id|[lr]ccid|[lr]mloid").empty())
-  {
-    return "implant displaced view";
-  }
-  if (header.Magnification.value_or(1) > 1.3 ||
-    !FindWords(words, "mag|m?magnif\\w*|\\w+mag").empty())
-  {
-    return "magnification view";
-  }
-  if (!FindWords(words, "spot\\w*|\\w+spot|spt\\w*|cone\\w*").empty())
-  {
-    return "spot compression view";
-  }
-  if (header.PartialView)
-  {
-    return "part of a breast (partial view)";
-  }
-  if (header.ImplantPresent)
-  {
-    return "implant (its mechanics are not known)";
-  }
-  return {};
+  const std::string words =
+    PlainWords(header.SeriesDescription + ' ' + header.View + ' ' + header.PaddleDescription);
+  const FoundKind kind = FindKind(UnusableMammograms, header.ImageType, words);
+  return !kind.Name.empty()                  ? std::string(kind.Name)
+    : header.Magnification.value_or(1) > 1.3 ? "magnification view"
+    : header.PartialView                     ? "part of a breast (partial view)"
+    : header.ImplantPresent                  ? "implant (its mechanics are not known)"
+                                             : "";
 }
 
 bool IsMammogram(const DicomHeader& header)
@@ -117,84 +115,61 @@ bool IsMammogram(const DicomHeader& header)
 StudyMammogram DescribeMammogram(const DicomHeader& header)
 {
   StudyMammogram mammogram;
-  mammogram.File = header.Path;
-  mammogram.View = header.View;
-  const std::string words = HeaderWords(header.SeriesDescription);
-  // "L CC", "R-MLO", "Mamografia esquerda": the side that only the description names.
-  mammogram.Laterality =
-    header.Laterality == '?' ? SideInWords(words, "l|lcc|lmlo", "r|rcc|rmlo") : header.Laterality;
-  mammogram.Intent = header.PresentationIntent;
-  mammogram.Synthetic = !FindPart(header.ImageType, { "GENERATED_2D" }).empty() ||
-    !FindWords(words, "c view|cview|intelligent 2d|v preview|insight 2d|synth\\w*|s2d").empty();
-  if (header.BodyPartThicknessMm.value_or(0) > 0)
-  {
-    mammogram.ThicknessMm = header.BodyPartThicknessMm;
-  }
-  mammogram.AngleDeg = header.PositionerPrimaryAngleDeg;
-  mammogram.Columns = header.Columns;
-  mammogram.Rows = header.Rows;
-  mammogram.Date =
-    header.AcquisitionDate.empty() ? header.Identity.StudyDate : header.AcquisitionDate;
-  mammogram.Time = header.AcquisitionTime.empty() ? header.ContentTime : header.AcquisitionTime;
   mammogram.LeftOut = WhyLeftOut(header);
+  const std::string words = PlainWords(header.SeriesDescription);
+  mammogram.Synthetic = !FindPart(header.ImageType, { "GENERATED_2D" }).empty() ||
+    !FindMeaning(words, HeaderMeaning::SyntheticMammogram).empty();
+  DicomHeader& known = mammogram.Header = header;
+  // "L CC", "R-MLO", "Mamografia esquerda": the side that only the description names.
+  known.Laterality = header.Laterality == '?' ? SideInWords(words, true) : header.Laterality;
+  if (!(header.BodyPartThicknessMm.value_or(0) > 0))
+  {
+    known.BodyPartThicknessMm.reset();
+  }
+  known.AcquisitionDate =
+    header.AcquisitionDate.empty() ? header.Identity.StudyDate : header.AcquisitionDate;
+  known.AcquisitionTime =
+    header.AcquisitionTime.empty() ? header.ContentTime : header.AcquisitionTime;
   return mammogram;
 }
 
-std::optional<std::size_t> ChooseMammogram(const std::vector<StudyMammogram>& mammograms, char side,
-  const std::string& view, std::vector<std::string>& reasons)
+std::optional<std::size_t> ChooseMammogram(std::vector<StudyMammogram>& mammograms, char side,
+  const std::string& view)
 {
-  std::vector<std::size_t> known;
-  for (std::size_t index = 0; index < mammograms.size(); ++index)
+  std::vector<StudyMammogram*> known;
+  for (StudyMammogram& image : mammograms)
   {
-    const StudyMammogram& image = mammograms[index];
-    if (image.LeftOut.empty() && image.Laterality == side && image.View == view)
+    if (image.LeftOut.empty() && image.Header.Laterality == side && image.Header.View == view)
     {
-      known.push_back(index);
+      known.push_back(&image);
     }
   }
   if (known.empty())
   {
     return std::nullopt;
   }
-  const auto newest = [&](std::size_t a, std::size_t b)
+  std::stable_sort(known.begin(), known.end(),
+    [](const StudyMammogram* a, const StudyMammogram* b) { return IsNewer(*a, *b); });
+  const StudyMammogram& newest = *known.front();
+  StudyMammogram* taken = known.front();
+  for (StudyMammogram* image : known)
   {
-    const StudyMammogram& left = mammograms[a];
-    const StudyMammogram& right = mammograms[b];
-    return left.Synthetic != right.Synthetic ? !left.Synthetic
-      : left.Date != right.Date              ? left.Date > right.Date
-                                             : SecondsOf(left.Time) > SecondsOf(right.Time);
-  };
-  std::stable_sort(known.begin(), known.end(), newest);
-  const StudyMammogram& last = mammograms[known.front()];
-  std::size_t taken = known.front();
-  for (const std::size_t index : known)
-  {
-    const StudyMammogram& image = mammograms[index];
-    const bool better = image.Intent == Mammogram::Intent::ForProcessing &&
-      mammograms[taken].Intent != Mammogram::Intent::ForProcessing;
-    taken =
-      better && image.Synthetic == last.Synthetic && SameExposure(image, last) ? index : taken;
+    const bool better = IsForProcessing(*image) && !IsForProcessing(*taken) &&
+      image->Synthetic == newest.Synthetic && SameExposure(*image, newest);
+    taken = better ? image : taken;
   }
-  const StudyMammogram& chosen = mammograms[taken];
-  for (const std::size_t index : known)
+  for (StudyMammogram* image : known)
   {
-    const StudyMammogram& image = mammograms[index];
-    const bool processing = image.Intent == Mammogram::Intent::ForProcessing;
-    if (index == taken)
-    {
-      reasons[index] = std::string("taken: the ") + (known.size() > 1 ? "newest " : "") + view +
-        (image.Synthetic ? ", computed from tomosynthesis for want of an exposure"
-            : processing ? ", For Processing"
-                         : ", For Presentation");
-    }
-    else
-    {
-      reasons[index] = image.Synthetic != chosen.Synthetic ? "left out: computed from tomosynthesis"
-        : SameExposure(image, chosen) && image.Intent != chosen.Intent
-        ? "left out: the other form of the exposure that is taken"
-        : "left out: an older exposure";
-    }
+    const bool isOtherForm =
+      SameExposure(*image, *taken) && IsForProcessing(*image) != IsForProcessing(*taken);
+    image->Reason = image->Synthetic != taken->Synthetic ? "left out: computed from tomosynthesis"
+      : isOtherForm ? "left out: the other form of the exposure that is taken"
+                    : "left out: an older exposure";
   }
-  return taken;
+  taken->Reason = "taken: the " + std::string(known.size() > 1 ? "newest " : "") + view +
+    (taken->Synthetic             ? ", computed from tomosynthesis for want of an exposure"
+        : IsForProcessing(*taken) ? ", For Processing"
+                                  : ", For Presentation");
+  return static_cast<std::size_t>(taken - mammograms.data());
 }
 }

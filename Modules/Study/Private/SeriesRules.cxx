@@ -1,131 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers (TR, TE) count before words where both tell.
-#include "Private/SeriesRules.h"
-
+#include "Private/HeaderRules.h"
 #include "Private/HeaderWords.h"
-#include "Private/SeriesWords.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <regex>
 #include <set>
 
 namespace mammoray
 {
 namespace
 {
-/// The description, or where there is none the protocol, which does not tell what was made of it.
+using M = HeaderMeaning;
+
+/// The description, or the protocol if there is none.
+const std::string& DescriptionOf(const DicomHeader& header)
+{
+  return header.SeriesDescription.empty() ? header.ProtocolName : header.SeriesDescription;
+}
+
 std::string WordsOf(const DicomHeader& header)
 {
-  return PlainWords(
-    header.SeriesDescription.empty() ? header.ProtocolName : header.SeriesDescription);
+  return PlainWords(DescriptionOf(header));
 }
 
-std::string Named(const std::string& what, const std::string& where, const std::string& found)
-{
-  return what + " (" + where + " " + found + ")";
-}
-
-/// How the evidence begins where scan options tell of fat suppression.
+/// First words of the evidence where scan options name fat suppression.
 const std::string ScanOptionEvidence = "ScanOptions ";
 
-/// A kind of picture that no tissue is segmented from: by values of Image Type that are or hold
-/// something, or by words of the description.
-struct OtherKind
-{
-  const char* Name;
-  SeriesMeaning Words;
-  std::initializer_list<const char*> Values;
-  std::initializer_list<const char*> Parts;
-};
-
-const OtherKind OtherKinds[] = {
-  { "projection", SeriesMeaning::Projection, { "PROJECTION IMAGE" }, { "MIP" } },
-  { "subtraction", SeriesMeaning::Subtraction, { "SUB" }, { "SUBTR" } },
-  { "localizer", SeriesMeaning::Localizer, { "SURVEY", "SCOUT" }, { "LOCALI" } },
-  { "calibration", SeriesMeaning::Calibration, {}, {} },
-  { "diffusion", SeriesMeaning::Diffusion, { "ADC" }, { "DIFFUSION", "TRACE", "ADC_" } },
-  { "map computed from others", SeriesMeaning::ComputedMap,
+/// Kinds of MRI that no tissue is segmented from.
+const ImageKind OtherKinds[] = {
+  { "projection", M::Projection, { "PROJECTION IMAGE" }, { "MIP" } },
+  { "subtraction", M::Subtraction, { "SUB" }, { "SUBTR" } },
+  { "localizer", M::Localizer, { "SURVEY", "SCOUT" }, { "LOCALI" } },
+  { "calibration", M::Calibration, {}, {} },
+  { "diffusion", M::Diffusion, { "ADC" }, { "DIFFUSION", "TRACE", "ADC_" } },
+  { "map computed from others", M::ComputedMap,
     { "MAP", "FIT", "TTP", "PEI", "MIPT", "IAUC", "WASH_IN", "WASH_OUT" },
     { "T1 MAP", "T2 MAP", "T1_MAP", "T2_MAP", "PARAMETRIC", "PERFUSION", "COLOR", "T2_STAR" } },
-  { "reformat of another series", SeriesMeaning::Reformat, {}, { "MPR", "REFORMAT" } },
-  { "phase image", SeriesMeaning::PhaseImage, { "P", "R", "I", "PHASE MAP", "PHASE" },
-    { "VELOCITY" } },
-  { "spectrum", SeriesMeaning::Spectrum, { "SPECTROSCOPY" }, {} },
+  { "reformat of another series", M::Reformat, {}, { "MPR", "REFORMAT" } },
+  { "phase image", M::PhaseImage, { "P", "R", "I", "PHASE MAP", "PHASE" }, { "VELOCITY" } },
+  { "spectrum", M::Spectrum, { "SPECTROSCOPY" }, {} },
 };
 
-/// Whether a Dixon reconstruction is told: images of water, of fat, and of both in or out of phase.
-struct DixonImage
-{
-  enum class Kind
-  {
-    None,
-    Water,
-    Fat,
-    InPhase,
-    OutOfPhase
-  };
-  Kind What = Kind::None;
-  std::string Evidence;
+/// Dixon reconstructions: images of water, of fat, and of both in or out of phase.
+const ImageKind DixonKinds[] = {
+  { "water", M::WaterImage, { "W", "WATER", "W_FFE" }, {} },
+  { "fat alone", M::FatImage, { "F", "FAT", "F_FFE" }, {} },
+  { "in phase", M::InPhaseImage, { "IP", "IN_PHASE", "INPHASE", "IP_FFE" }, {} },
+  { "opposed phase", M::OutOfPhaseImage,
+    { "OP", "OUT_PHASE", "OUTPHASE", "OPP_PHASE", "OPPOSED_PHASE", "OP_FFE" }, {} },
+};
+/// The same by descriptions that name the technique: "t1_vibe_dixon_tra_W" (Siemens).
+const ImageKind NamedDixonKinds[] = {
+  { "water", M::DixonWater, {}, {} },
+  { "fat alone", M::DixonFat, {}, {} },
+  { "in phase", M::DixonInPhase, {}, {} },
+  { "opposed phase", M::DixonOutOfPhase, {}, {} },
 };
 
-DixonImage FindDixon(const DicomHeader& header)
+FoundKind FindDixon(const DicomHeader& header)
 {
-  using Kind = DixonImage::Kind;
-  const std::vector<std::string>& type = header.ImageType;
-  const auto byValue = [&](std::initializer_list<const char*> values, Kind kind)
-  {
-    const std::string value = FindValue(type, values);
-    return value.empty() ? DixonImage{} : DixonImage{ kind, "ImageType " + value };
-  };
-  for (const DixonImage& image :
-    { byValue({ "W", "WATER", "W_FFE" }, Kind::Water), byValue({ "F", "FAT", "F_FFE" }, Kind::Fat),
-      byValue({ "IP", "IN_PHASE", "INPHASE", "IP_FFE" }, Kind::InPhase),
-      byValue({ "OP", "OUT_PHASE", "OUTPHASE", "OPP_PHASE", "OPPOSED_PHASE", "OP_FFE" },
-        Kind::OutOfPhase) })
-  {
-    if (image.What != Kind::None)
-    {
-      return image;
-    }
-  }
+  const FoundKind byType = FindKind(DixonKinds, header.ImageType, {});
   const std::string words = WordsOf(header);
-  using M = SeriesMeaning;
-  const bool dixon = !FindMeaning(words, M::DixonTechnique).empty();
-  const auto byWords = [&](M meaning, Kind kind)
-  {
-    const std::string found = FindMeaning(words, meaning);
-    return found.empty() ? DixonImage{} : DixonImage{ kind, "description '" + found + "'" };
-  };
-  // "WATER: Ax VIBRANT-Flex" (GE), "t1_vibe_dixon_tra_W" (Siemens).
-  for (const DixonImage& image : { byWords(dixon ? M::DixonWater : M::WaterImage, Kind::Water),
-         byWords(dixon ? M::DixonFat : M::FatImage, Kind::Fat),
-         byWords(dixon ? M::DixonInPhase : M::InPhaseImage, Kind::InPhase),
-         byWords(dixon ? M::DixonOutOfPhase : M::OutOfPhaseImage, Kind::OutOfPhase) })
-  {
-    if (image.What != Kind::None)
-    {
-      return image;
-    }
-  }
-  return {};
+  return !byType.Name.empty()                       ? byType
+    : FindMeaning(words, M::DixonTechnique).empty() ? FindKind(DixonKinds, {}, words)
+                                                    : FindKind(NamedDixonKinds, {}, words);
 }
 
-void FindFatSuppression(const DicomHeader& header, StudySeries& series)
+void FindFatSuppression(StudySeries& series)
 {
+  const DicomHeader& header = series.Header;
   const auto tell = [&series](FatSuppression fat, const std::string& evidence)
   {
     series.Fat = fat;
     series.FatEvidence = evidence;
   };
-  if (const DixonImage dixon = FindDixon(header); dixon.What == DixonImage::Kind::Water)
+  if (const FoundKind dixon = FindDixon(header); !dixon.Name.empty())
   {
-    return tell(FatSuppression::Present, dixon.Evidence);
-  }
-  else if (dixon.What != DixonImage::Kind::None)
-  {
-    return tell(FatSuppression::Absent, dixon.Evidence);
+    return tell(dixon.Name == "water" ? FatSuppression::Present : FatSuppression::Absent,
+      dixon.Evidence);
   }
   // FS is the standard's word, the others are those of scanners.
   if (const std::string option = FindValue(header.ScanOptions,
@@ -139,13 +95,13 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
   {
     return tell(FatSuppression::Present, "Spectrally Selected Suppression FAT");
   }
-  std::string words = PlainWords(header.SeriesDescription) + ' ';
-  words += PlainWords(header.ProtocolName) + ' ' + PlainWords(header.SequenceName);
-  if (const std::string none = FindMeaning(words, SeriesMeaning::NotFatSuppressed); !none.empty())
+  const std::string words =
+    PlainWords(header.SeriesDescription + ' ' + header.ProtocolName + ' ' + header.SequenceName);
+  if (const std::string none = FindMeaning(words, M::NotFatSuppressed); !none.empty())
   {
     return tell(FatSuppression::Absent, "description '" + none + "'");
   }
-  if (const std::string some = FindMeaning(words, SeriesMeaning::FatSuppressed); !some.empty())
+  if (const std::string some = FindMeaning(words, M::FatSuppressed); !some.empty())
   {
     return tell(FatSuppression::Present, "description '" + some + "'");
   }
@@ -154,8 +110,8 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
     return tell(FatSuppression::Absent, "Spectrally Selected Suppression NONE");
   }
   // Siemens writes the option wherever fat is suppressed.
-  const std::string maker = HeaderWords(header.Manufacturer);
-  if (header.HasScanOptions && maker.find("siemens") != std::string::npos)
+  if (header.HasScanOptions &&
+    HeaderWords(header.Manufacturer).find("siemens") != std::string::npos)
   {
     tell(FatSuppression::Absent, "ScanOptions of this maker without FS");
   }
@@ -175,17 +131,21 @@ enum class Weighting
 Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
 {
   const std::string words = WordsOf(header);
+  const auto isNamed = [&](HeaderMeaning meaning)
+  {
+    evidence = FindMeaning(words, meaning);
+    const bool found = !evidence.empty();
+    evidence = "description '" + evidence + "'";
+    return found;
+  };
   const double tr = header.RepetitionTimeMs.value_or(0);
   const double te = header.EchoTimeMs.value_or(0);
   const double ti = header.InversionTimeMs.value_or(0);
-  char numbers[64];
-  std::snprintf(numbers, sizeof numbers, "TR %g TE %g ms", tr, te);
   const bool inversion = !FindValue(header.ScanningSequence, { "IR" }).empty();
   const bool spin = !FindValue(header.ScanningSequence, { "SE" }).empty() || inversion;
   const bool gradient = !FindValue(header.ScanningSequence, { "GR" }).empty() && !spin;
-  if (const std::string word = FindMeaning(words, SeriesMeaning::InversionRecovery); !word.empty())
+  if (isNamed(M::InversionRecovery))
   {
-    evidence = "description '" + word + "'";
     return Weighting::InversionRecovery;
   }
   if (inversion && ti > 80 && ti < 300 && tr > 1500)
@@ -193,33 +153,31 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
     evidence = "inversion time of fat";
     return Weighting::InversionRecovery;
   }
-  if (const std::string word = FindMeaning(words, SeriesMeaning::SteadyState); !word.empty())
+  if (isNamed(M::SteadyState))
   {
-    evidence = "description '" + word + "'";
     return Weighting::SteadyState;
   }
+  char numbers[64];
+  std::snprintf(numbers, sizeof numbers, "TR %g TE %g ms", tr, te);
   evidence = numbers;
-  if (spin && tr > 0 && te > 0)
+  // Between these the words decide: the T1 of fat is 0.25-0.4 s, of gland 0.9-1.5 s, their T2
+  // 50-70 ms.
+  if (spin && tr > 0 && te >= 60)
   {
-    // Between them the words decide: the T1 of fat is 0.25-0.4 s, of gland 0.9-1.5 s, their T2
-    // 50-70 ms.
-    if (te >= 60)
-    {
-      return Weighting::T2;
-    }
-    if (te <= 35 && tr <= 1200)
-    {
-      return Weighting::T1;
-    }
+    return Weighting::T2;
   }
-  const std::string word = FindMeaning(words, SeriesMeaning::NamedWeighting);
-  if (!word.empty() && !(gradient && te > 0 && te < 8 && tr < 100))
+  if (spin && tr > 0 && te > 0 && te <= 35 && tr <= 1200)
   {
-    evidence = "description '" + word + "'";
-    return word.find("t1") != std::string::npos ? Weighting::T1
-      : word.find("t2") != std::string::npos    ? Weighting::T2
-                                                : Weighting::ProtonDensity;
+    return Weighting::T1;
   }
+  const bool fastGradient = gradient && te > 0 && te < 8 && tr < 100;
+  if (!fastGradient && isNamed(M::NamedWeighting))
+  {
+    return evidence.find("t1") != std::string::npos ? Weighting::T1
+      : evidence.find("t2") != std::string::npos    ? Weighting::T2
+                                                    : Weighting::ProtonDensity;
+  }
+  evidence = numbers;
   if (gradient && te > 0)
   {
     return te < 15 ? Weighting::T1 : Weighting::T2;
@@ -228,22 +186,17 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
   {
     return Weighting::ProtonDensity;
   }
-  if (header.AcquisitionContrast == "T1")
-  {
-    evidence = "Acquisition Contrast T1";
-    return Weighting::T1;
-  }
-  evidence = FindMeaning(words, SeriesMeaning::T1Sequence);
-  return evidence.empty() ? Weighting::Unknown : Weighting::T1;
+  const bool isT1 = header.AcquisitionContrast == "T1" || isNamed(M::T1Sequence);
+  return isT1 ? Weighting::T1 : Weighting::Unknown;
 }
 
 std::string SequenceOf(const DicomHeader& header, Weighting weighting)
 {
-  std::string text = weighting == Weighting::T1 ? "T1 "
-    : weighting == Weighting::T2                ? "T2 "
-    : weighting == Weighting::ProtonDensity     ? "PD "
-    : weighting == Weighting::InversionRecovery ? "IR "
-                                                : "";
+  static const std::map<Weighting, std::string> names{ { Weighting::T1, "T1 " },
+    { Weighting::T2, "T2 " }, { Weighting::ProtonDensity, "PD " },
+    { Weighting::InversionRecovery, "IR " }, { Weighting::SteadyState, "" },
+    { Weighting::Unknown, "" } };
+  std::string text = names.at(weighting);
   const bool spin = !FindValue(header.ScanningSequence, { "SE" }).empty();
   const bool gradient = !FindValue(header.ScanningSequence, { "GR" }).empty();
   text += spin ? "spin echo" : gradient ? "gradient echo" : "MR";
@@ -262,7 +215,7 @@ std::string SequenceOf(const DicomHeader& header, Weighting weighting)
 /// Why the header of a slice says that it shows no tissue as it is.
 std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const std::string& evidence)
 {
-  if (header.SamplesPerPixel > 1 || header.SopClassUid.starts_with("1.2.840.10008.5.1.4.1.1.7"))
+  if (header.SamplesPerPixel > 1 || header.SopClassUid.starts_with(SecondaryCaptureClass))
   {
     return "screenshot (colours or secondary capture)";
   }
@@ -270,48 +223,36 @@ std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const st
   {
     return "multi-frame object without functional groups";
   }
-  const std::string words = WordsOf(header);
-  for (const OtherKind& kind : OtherKinds)
+  const auto named = [](const FoundKind& kind, const char* note = "")
+  { return std::string(kind.Name) + " (" + kind.Evidence + note + ")"; };
+  const FoundKind other = FindKind(OtherKinds, header.ImageType, WordsOf(header));
+  if (!other.Name.empty())
   {
-    std::string value = FindValue(header.ImageType, kind.Values);
-    value = value.empty() ? FindPart(header.ImageType, kind.Parts) : value;
-    if (!value.empty())
-    {
-      return Named(kind.Name, "ImageType", value);
-    }
-    if (const std::string word = FindMeaning(words, kind.Words); !word.empty())
-    {
-      return Named(kind.Name, "description", "'" + word + "'");
-    }
+    return named(other);
   }
   if (header.DiffusionBValue.value_or(0) > 0 ||
     !FindValue(header.ScanningSequence, { "EP" }).empty())
   {
     return "diffusion (echo-planar or with a b-value)";
   }
-  if (const DixonImage dixon = FindDixon(header); dixon.What == DixonImage::Kind::Fat)
+  const FoundKind dixon = FindDixon(header);
+  if (dixon.Name == "fat alone")
   {
-    return "fat alone (" + dixon.Evidence + ")";
+    return named(dixon);
   }
-  else if (dixon.What == DixonImage::Kind::OutOfPhase)
+  if (dixon.Name == "opposed phase")
   {
-    return "opposed phase (" + dixon.Evidence + ": fat and water cancel at their borders)";
+    return named(dixon, ": fat and water cancel at their borders");
   }
-  switch (weighting)
-  {
-    case Weighting::T1:
-      return {};
-    case Weighting::T2:
-      return "T2-weighted (" + evidence + ")";
-    case Weighting::ProtonDensity:
-      return "proton density (" + evidence + ")";
-    case Weighting::InversionRecovery:
-      return "inversion recovery (" + evidence + ")";
-    case Weighting::SteadyState:
-      return "steady state (" + evidence + ")";
-    default:
-      return "not known to be T1-weighted (neither TR and TE nor the description tell)";
-  }
+  static const std::map<Weighting, const char*> names{ { Weighting::T2, "T2-weighted (" },
+    { Weighting::ProtonDensity, "proton density (" },
+    { Weighting::InversionRecovery, "inversion recovery (" },
+    { Weighting::SteadyState, "steady state (" } };
+  const auto name = names.find(weighting);
+  return weighting == Weighting::T1 ? ""
+    : name != names.end()
+    ? name->second + evidence + ")"
+    : "not known to be T1-weighted (neither TR and TE nor the description tell)";
 }
 
 std::string PlaneOf(const DicomHeader& header)
@@ -356,12 +297,6 @@ GridExtent ExtentOf(const VolumeGrid& grid)
   return extent;
 }
 
-/// The side that the header names: of the frame or series, or in words.
-char NamedSide(const DicomHeader& header)
-{
-  return header.Laterality != '?' ? header.Laterality : SideInWords(WordsOf(header));
-}
-
 char SideOf(const VolumeGrid& grid, const DicomHeader& header)
 {
   const GridExtent extent = ExtentOf(grid);
@@ -370,63 +305,21 @@ char SideOf(const VolumeGrid& grid, const DicomHeader& header)
   {
     return 'B';
   }
-  // One breast that was moved to the magnet's middle is told by words only.
-  return std::abs(extent.Middle[0]) < 25 ? NamedSide(header) : extent.Middle[0] > 0 ? 'L' : 'R';
-}
+  if (std::abs(extent.Middle[0]) >= 25)
+  {
+    return extent.Middle[0] > 0 ? 'L' : 'R';
+  }
+  // One breast that was moved to the magnet's middle: only the header tells.
+  return header.Laterality != '?' ? header.Laterality : SideInWords(WordsOf(header));
 }
 
-std::string MomentOf(const DicomHeader& header)
+/// Why the volume is not one of a breast by its grid or the lack of one. Empty if it is.
+std::string WhyNoBreastVolume(const StudySeries& series)
 {
-  const bool acquired = !header.AcquisitionTime.empty();
-  const std::string& time = acquired ? header.AcquisitionTime : header.SeriesTime;
-  std::string date = acquired ? header.AcquisitionDate : header.SeriesDate;
-  date = date.empty() ? header.Identity.StudyDate : date;
-  return time.empty() ? std::string() : date + ' ' + time;
-}
-
-void DescribeSeries(SeriesCandidate& candidate)
-{
-  const DicomHeader& header = candidate.First;
-  StudySeries& series = candidate.Series;
-  series.Description =
-    header.SeriesDescription.empty() ? header.ProtocolName : header.SeriesDescription;
-  if (header.SeriesNumber && std::abs(*header.SeriesNumber) < 1e9)
-  {
-    series.Number = static_cast<int>(*header.SeriesNumber);
-  }
-  series.SeriesInstanceUid = header.SeriesInstanceUid;
-  series.StudyInstanceUid = header.Identity.StudyInstanceUid;
-  series.FrameOfReferenceUid = header.FrameOfReferenceUid;
-  series.Date = !header.AcquisitionDate.empty() ? header.AcquisitionDate
-    : !header.SeriesDate.empty()                ? header.SeriesDate
-                                                : header.Identity.StudyDate;
-  series.Plane = PlaneOf(header);
-  series.PositionCode = header.PatientPosition;
-  // Head or feet first makes no difference: positions in DICOM are the patient's own.
-  if (series.PositionCode == "HFP" || series.PositionCode == "FFP")
-  {
-    series.Position = PatientPosition::Prone;
-  }
-  else if (series.PositionCode == "HFS" || series.PositionCode == "FFS")
-  {
-    series.Position = PatientPosition::Supine;
-  }
-  series.Side = series.Grid ? SideOf(*series.Grid, header) : '?';
-  FindFatSuppression(header, series);
-  std::string evidence;
-  const Weighting weighting = FindWeighting(header, evidence);
-  series.Sequence = SequenceOf(header, weighting);
-  const std::string why = WhyNoTissue(header, weighting, evidence);
-  series.LeftOut = why.empty() ? series.LeftOut : why;
-}
-
-std::string WhyNoBreastVolume(const SeriesCandidate& candidate)
-{
-  const StudySeries& series = candidate.Series;
   constexpr double WidestSpacingMm = 6;
   constexpr double LeastExtentMm = 70;
   char text[128];
-  if (!candidate.First.Position)
+  if (!series.Header.Position)
   {
     return "no place in the patient (position, orientation or pixel spacing missing)";
   }
@@ -442,8 +335,8 @@ std::string WhyNoBreastVolume(const SeriesCandidate& candidate)
     return text;
   }
   const Vector3& spacing = series.Grid->Spacing;
-  if (const double widest = std::max({ spacing[0], spacing[1], spacing[2] });
-      widest > WidestSpacingMm)
+  const double widest = *std::max_element(spacing.begin(), spacing.end());
+  if (widest > WidestSpacingMm)
   {
     std::snprintf(text, sizeof text, "too coarse (voxels of %.1f mm, at most %.0f)", widest,
       WidestSpacingMm);
@@ -463,43 +356,37 @@ std::string WhyNoBreastVolume(const SeriesCandidate& candidate)
   return {};
 }
 
-namespace
+/// Fills in the contrast phase if the words of the series alone tell it.
+void TellByWords(StudySeries& series)
 {
-/// What the words of one series tell of contrast.
-void TellByWords(SeriesCandidate& candidate)
-{
-  const DicomHeader& header = candidate.First;
-  StudySeries& series = candidate.Series;
-  const std::string words = WordsOf(header);
+  const std::string words = WordsOf(series.Header);
   const auto tell = [&series](bool before, const std::string& evidence)
   {
     series.Contrast = before ? ContrastPhase::Before : ContrastPhase::After;
     series.ContrastEvidence = evidence;
   };
-  const std::string pre = FindMeaning(words, SeriesMeaning::BeforeContrast);
+  const std::string pre = FindMeaning(words, M::BeforeContrast);
   // Not the contrast that it is without: "pre contrast", "ohne KM".
-  const std::size_t denied = pre.empty() ? words.size() : (' ' + words).find(' ' + pre);
-  const std::string others =
-    words.substr(0, denied) + words.substr(std::min(words.size(), denied + pre.size()));
-  const std::string post = FindMeaning(others, SeriesMeaning::AfterContrast);
+  std::string others = words;
+  if (!pre.empty())
+  {
+    others.erase((' ' + words).find(' ' + pre), pre.size());
+  }
+  const std::string post = FindMeaning(others, M::AfterContrast);
   std::smatch plus;
   static const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
   if (std::regex_search(words, plus, counted))
   {
     // "1+5": one volume before contrast and five after it.
-    const double number = series.Phases > 1 ? series.Phase : header.AcquisitionNumber.value_or(1);
-    const bool before = number <= std::stod(plus[1].str());
-    return tell(before,
+    const double number =
+      series.Phases > 1 ? series.Phase : series.Header.AcquisitionNumber.value_or(1);
+    return tell(number <= std::stod(plus[1].str()),
       "acquisition " + std::to_string(static_cast<int>(std::clamp(number, 0., 1e6))) + " of " +
         plus[1].str() + "+" + plus[2].str());
   }
-  if (!pre.empty() && post.empty())
+  if (pre.empty() != post.empty())
   {
-    return tell(true, "description '" + pre + "'");
-  }
-  if (!post.empty() && pre.empty())
-  {
-    return tell(false, "description '" + post + "'");
+    return tell(post.empty(), "description '" + pre + post + "'");
   }
   if (series.Phases > 1)
   {
@@ -508,107 +395,130 @@ void TellByWords(SeriesCandidate& candidate)
   }
 }
 
-bool NamesAgent(const DicomHeader& header)
+bool NamesAgent(const StudySeries& series)
 {
-  const std::string agent = PlainWords(header.ContrastAgent);
-  return !agent.empty() && FindMeaning(agent, SeriesMeaning::NoAgent).empty();
+  const std::string agent = PlainWords(series.Header.ContrastAgent);
+  return !agent.empty() && FindMeaning(agent, M::NoAgent).empty();
 }
 
-/// Volumes of one protocol, one after the other: the same but for numbers in the description.
-std::string DynamicKey(const SeriesCandidate& candidate)
+/// Volumes of one protocol have the same key: the same but for numbers in the description.
+std::string DynamicKey(const StudySeries& series)
 {
-  const DicomHeader& header = candidate.First;
-  std::string words = WordsOf(header);
+  const DicomHeader& header = series.Header;
   static const std::regex numbers("\\d(?:st|nd|rd|th)|\\d+");
-  words = std::regex_replace(words, numbers, "#");
   char sizes[128];
   std::snprintf(sizes, sizeof sizes, "|%g|%g|%g|%dx%dx%zu", header.RepetitionTimeMs.value_or(0),
     header.EchoTimeMs.value_or(0), header.FlipAngleDeg.value_or(0), header.Columns, header.Rows,
-    candidate.Series.Slices.size());
-  return words + sizes;
+    series.Slices.size());
+  return std::regex_replace(WordsOf(header), numbers, "#") + sizes;
 }
 
-/// Of several volumes of one protocol the first is before contrast, unless one before it says so of
-/// itself and this one names an agent.
-void TellByOrder(std::vector<SeriesCandidate>& candidates)
+/// The first of several volumes of one protocol is before contrast, unless an earlier series says
+/// so of itself and this one names an agent.
+void TellByOrder(std::vector<StudySeries>& all)
 {
-  std::map<std::string, std::vector<SeriesCandidate*>> groups;
-  const SeriesCandidate* before = nullptr;
-  for (SeriesCandidate& candidate : candidates)
+  std::map<std::string, std::vector<StudySeries*>> groups;
+  bool before = false;
+  for (StudySeries& series : all)
   {
-    before = candidate.Series.Contrast == ContrastPhase::Before ? &candidate : before;
-    if (candidate.Series.LeftOut.empty() && candidate.Series.Phases == 1 &&
-      candidate.Series.Contrast == ContrastPhase::Unknown)
+    before = before || series.Contrast == ContrastPhase::Before;
+    if (series.LeftOut.empty() && series.Phases == 1 && series.Contrast == ContrastPhase::Unknown)
     {
-      groups[DynamicKey(candidate)].push_back(&candidate);
+      groups[DynamicKey(series)].push_back(&series);
     }
   }
-  for (auto& [key, volumes] : groups)
+  for (const auto& [key, volumes] : groups)
   {
     for (std::size_t number = 0; volumes.size() > 1 && number < volumes.size(); ++number)
     {
-      StudySeries& series = volumes[number]->Series;
-      const bool first = number == 0 && !(before && NamesAgent(volumes.front()->First));
-      series.Contrast = first ? ContrastPhase::Before : ContrastPhase::After;
-      series.ContrastEvidence = "volume " + std::to_string(number + 1) + " of " +
+      const bool first = number == 0 && !(before && NamesAgent(*volumes.front()));
+      volumes[number]->Contrast = first ? ContrastPhase::Before : ContrastPhase::After;
+      volumes[number]->ContrastEvidence = "volume " + std::to_string(number + 1) + " of " +
         std::to_string(volumes.size()) + " of one protocol";
     }
   }
 }
-}
 
-void CompareScanOptions(std::vector<SeriesCandidate>& candidates)
+void CompareScanOptions(std::vector<StudySeries>& all)
 {
   std::set<std::string> telling;
-  for (const SeriesCandidate& candidate : candidates)
+  for (const StudySeries& series : all)
   {
-    if (candidate.Series.FatEvidence.starts_with(ScanOptionEvidence))
+    if (series.FatEvidence.starts_with(ScanOptionEvidence))
     {
-      telling.insert(candidate.Series.StudyInstanceUid);
+      telling.insert(series.Header.Identity.StudyInstanceUid);
     }
   }
-  for (SeriesCandidate& candidate : candidates)
+  for (StudySeries& series : all)
   {
-    StudySeries& series = candidate.Series;
-    if (series.Fat == FatSuppression::Unknown && candidate.First.HasScanOptions &&
-      telling.count(series.StudyInstanceUid) > 0)
+    if (series.Fat == FatSuppression::Unknown && series.Header.HasScanOptions &&
+      telling.count(series.Header.Identity.StudyInstanceUid) > 0)
     {
       series.Fat = FatSuppression::Absent;
       series.FatEvidence = "ScanOptions name it in other series only";
     }
   }
 }
+}
 
-void FindContrastPhases(std::vector<SeriesCandidate>& candidates)
+std::string MomentOf(const DicomHeader& header)
 {
-  bool someWithout = false;
-  for (SeriesCandidate& candidate : candidates)
+  const bool acquired = !header.AcquisitionTime.empty();
+  const std::string& time = acquired ? header.AcquisitionTime : header.SeriesTime;
+  std::string date = acquired ? header.AcquisitionDate : header.SeriesDate;
+  date = date.empty() ? header.Identity.StudyDate : date;
+  return time.empty() ? std::string() : date + ' ' + time;
+}
+
+void DescribeSeries(StudySeries& series)
+{
+  const DicomHeader& header = series.Header;
+  series.Description = DescriptionOf(header);
+  series.Date = !header.AcquisitionDate.empty() ? header.AcquisitionDate
+    : !header.SeriesDate.empty()                ? header.SeriesDate
+                                                : header.Identity.StudyDate;
+  series.Plane = PlaneOf(header);
+  // Head or feet first makes no difference: positions in DICOM are the patient's own.
+  const std::string& code = header.PatientPosition;
+  if (code == "HFP" || code == "FFP")
   {
-    TellByWords(candidate);
-    someWithout = someWithout || !NamesAgent(candidate.First);
+    series.Position = PatientPosition::Prone;
   }
-  TellByOrder(candidates);
+  else if (code == "HFS" || code == "FFS")
+  {
+    series.Position = PatientPosition::Supine;
+  }
+  series.Side = series.Grid ? SideOf(*series.Grid, header) : '?';
+  FindFatSuppression(series);
+  std::string evidence;
+  const Weighting weighting = FindWeighting(header, evidence);
+  series.Sequence = SequenceOf(header, weighting);
+  const std::string why = WhyNoTissue(header, weighting, evidence);
+  series.LeftOut = why.empty() ? series.LeftOut : why;
+  series.LeftOut = series.LeftOut.empty() ? WhyNoBreastVolume(series) : series.LeftOut;
+}
+
+void CompareSeries(std::vector<StudySeries>& all)
+{
+  CompareScanOptions(all);
+  std::for_each(all.begin(), all.end(), TellByWords);
+  TellByOrder(all);
   // A scanner that names the agent in every header names it before the injection, too.
+  const bool agentTells = !std::all_of(all.begin(), all.end(), NamesAgent);
   bool given = false;
   std::string sinceStudy;
-  for (SeriesCandidate& candidate : candidates)
+  for (StudySeries& series : all)
   {
-    StudySeries& series = candidate.Series;
-    if (series.StudyInstanceUid != sinceStudy)
-    {
-      given = false;
-      sinceStudy = series.StudyInstanceUid;
-    }
-    if (series.Contrast == ContrastPhase::Unknown && someWithout && NamesAgent(candidate.First))
-    {
-      series.Contrast = ContrastPhase::After;
-      series.ContrastEvidence = "the header names an agent";
-    }
-    else if (series.Contrast == ContrastPhase::Unknown && given &&
-      !MomentOf(candidate.First).empty())
+    const std::string& study = series.Header.Identity.StudyInstanceUid;
+    given = given && study == sinceStudy;
+    sinceStudy = study;
+    const bool isNamed = agentTells && NamesAgent(series);
+    const bool follows = given && !MomentOf(series.Header).empty();
+    if (series.Contrast == ContrastPhase::Unknown && (isNamed || follows))
     {
       series.Contrast = ContrastPhase::After;
-      series.ContrastEvidence = "taken after a series with contrast";
+      series.ContrastEvidence =
+        isNamed ? "the header names an agent" : "taken after a series with contrast";
     }
     given = given || series.Contrast == ContrastPhase::After;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/SeriesSplit.h"
+#include "Private/HeaderRules.h"
 
 #include "mammoray/Foundation/Error.h"
 
@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace mammoray
@@ -47,28 +48,27 @@ double HeightOf(const DicomHeader& slice)
   return slice.Position ? Dot(*slice.Position, Cross(slice.AlongRow, slice.AlongColumn)) : 0;
 }
 
+bool IsLower(const DicomHeader& a, const DicomHeader& b)
+{
+  return HeightOf(a) < HeightOf(b);
+}
+
 /// Places along the normal, to a hundredth of a millimetre; slices that say no place share one.
 long PlaceOf(const DicomHeader& slice)
 {
   return std::lround(HeightOf(slice) * 100);
 }
 
-bool EachAtItsPlace(const Slices& slices)
-{
-  std::set<long> places;
-  return std::all_of(slices.begin(), slices.end(),
-    [&](const DicomHeader& slice) { return places.insert(PlaceOf(slice)).second; });
-}
+using Places = std::map<long, Slices>;
 
-std::size_t MostAtOnePlace(const Slices& slices)
+Places ByPlace(const Slices& slices)
 {
-  std::map<long, std::size_t> counts;
-  std::size_t most = 0;
+  Places places;
   for (const DicomHeader& slice : slices)
   {
-    most = std::max(most, ++counts[PlaceOf(slice)]);
+    places[PlaceOf(slice)].push_back(slice);
   }
-  return most;
+  return places;
 }
 
 std::string NumberKey(const std::optional<double>& number)
@@ -91,15 +91,16 @@ const std::function<std::string(const DicomHeader&)> PhaseKeys[] = {
 /// The phases of slices of one kind, the first first.
 std::vector<Slices> SplitPhases(const Slices& slices)
 {
-  std::set<long> distinct;
-  for (const DicomHeader& slice : slices)
-  {
-    distinct.insert(PlaceOf(slice));
-  }
+  Places places = ByPlace(slices);
   // Fewer make no volume, whatever they are.
-  if (distinct.size() < FewestSlicesOfBreast || distinct.size() == slices.size())
+  if (places.size() < FewestSlicesOfBreast || places.size() == slices.size())
   {
     return { slices };
+  }
+  std::size_t most = 0;
+  for (const auto& [place, here] : places)
+  {
+    most = std::max(most, here.size());
   }
   for (const auto& key : PhaseKeys)
   {
@@ -109,15 +110,11 @@ std::vector<Slices> SplitPhases(const Slices& slices)
       parts[key(slice)].push_back(slice);
     }
     // As many as lie at one place: otherwise the key tells something else.
-    bool apart = parts.size() == MostAtOnePlace(slices);
-    for (const auto& [value, part] : parts)
-    {
-      apart = apart && EachAtItsPlace(part);
-    }
-    if (apart)
+    if (parts.size() == most &&
+      std::all_of(parts.begin(), parts.end(),
+        [](const auto& part) { return ByPlace(part.second).size() == part.second.size(); }))
     {
       std::vector<Slices> phases;
-      phases.reserve(parts.size());
       for (auto& [value, part] : parts)
       {
         phases.push_back(std::move(part));
@@ -126,22 +123,17 @@ std::vector<Slices> SplitPhases(const Slices& slices)
     }
   }
   // In the order in which they were numbered, where every place has as many.
-  std::map<long, Slices> places;
-  for (const DicomHeader& slice : slices)
-  {
-    places[PlaceOf(slice)].push_back(slice);
-  }
-  std::vector<Slices> phases(places.begin()->second.size());
+  std::vector<Slices> phases(most);
   for (auto& [place, here] : places)
   {
-    std::stable_sort(here.begin(), here.end(),
-      [](const DicomHeader& a, const DicomHeader& b)
-      { return a.InstanceNumber.value_or(0) < b.InstanceNumber.value_or(0); });
-    if (here.size() != phases.size())
+    if (here.size() != most)
     {
       return { slices };
     }
-    for (std::size_t phase = 0; phase < here.size(); ++phase)
+    std::stable_sort(here.begin(), here.end(),
+      [](const DicomHeader& a, const DicomHeader& b)
+      { return a.InstanceNumber.value_or(0) < b.InstanceNumber.value_or(0); });
+    for (std::size_t phase = 0; phase < most; ++phase)
     {
       phases[phase].push_back(here[phase]);
     }
@@ -149,54 +141,47 @@ std::vector<Slices> SplitPhases(const Slices& slices)
   return phases;
 }
 
-SeriesCandidate CandidateOf(Slices slices)
+StudySeries VolumeOf(Slices slices)
 {
-  SeriesCandidate candidate;
-  std::stable_sort(slices.begin(), slices.end(),
-    [](const DicomHeader& a, const DicomHeader& b) { return HeightOf(a) < HeightOf(b); });
+  StudySeries series;
+  std::stable_sort(slices.begin(), slices.end(), IsLower);
   // The first in time speaks for all.
-  candidate.First = *std::min_element(slices.begin(), slices.end(),
+  series.Header = *std::min_element(slices.begin(), slices.end(),
     [](const DicomHeader& a, const DicomHeader& b) { return MomentOf(a) < MomentOf(b); });
-  for (const DicomHeader& slice : slices)
-  {
-    candidate.Series.Slices.push_back({ slice.Path, slice.Frame });
-  }
   if (slices.size() > 1 && slices.front().Position)
   {
     const double last = HeightOf(slices.back()) - HeightOf(slices.front());
-    candidate.Series.SliceSpacingMm = last / static_cast<double>(slices.size() - 1);
+    series.SliceSpacingMm = last / static_cast<double>(slices.size() - 1);
   }
+  std::vector<std::size_t> order(slices.size());
+  std::iota(order.begin(), order.end(), std::size_t{ 0 });
   try
   {
-    const SliceOrder order = FindSliceOrder(slices);
-    candidate.Series.Grid = order.Grid;
-    for (std::size_t layer = 0; layer < order.Order.size(); ++layer)
-    {
-      const DicomHeader& slice = slices[order.Order[layer]];
-      candidate.Series.Slices[layer] = { slice.Path, slice.Frame };
-    }
+    SliceOrder found = FindSliceOrder(slices);
+    series.Grid = found.Grid;
+    order = std::move(found.Order);
   }
-  catch (const InputError&)
+  catch (const InputError&) // they make no regular volume
   {
-    candidate.Series.Grid.reset();
   }
   std::set<std::string> known;
-  for (const DicomSlice& slice : candidate.Series.Slices)
+  for (const std::size_t index : order)
   {
+    const DicomHeader& slice = slices[index];
+    series.Slices.push_back({ slice.Path, slice.Frame });
     if (known.insert(slice.Path).second)
     {
-      candidate.Series.Files.push_back(slice.Path);
+      series.Files.push_back(slice.Path);
     }
   }
-  return candidate;
+  return series;
 }
 
 /// Slabs of slices that are apart by more than three of their distances, each a volume of its own:
 /// sagittal slices of both breasts in one series. One where there are no such slabs.
 std::vector<Slices> SplitSlabs(Slices slices)
 {
-  std::stable_sort(slices.begin(), slices.end(),
-    [](const DicomHeader& a, const DicomHeader& b) { return HeightOf(a) < HeightOf(b); });
+  std::stable_sort(slices.begin(), slices.end(), IsLower);
   std::vector<double> gaps;
   for (std::size_t n = 1; n < slices.size(); ++n)
   {
@@ -241,21 +226,21 @@ std::set<std::string> DirectionsOf(const Slices& slices)
 }
 }
 
-std::vector<SeriesCandidate> SplitIntoVolumes(const std::vector<DicomHeader>& slices)
+std::vector<StudySeries> SplitIntoVolumes(const std::vector<DicomHeader>& slices)
 {
   std::map<std::string, Slices> series;
   for (const DicomHeader& slice : slices)
   {
     series[slice.SeriesInstanceUid].push_back(slice);
   }
-  std::vector<SeriesCandidate> volumes;
+  std::vector<StudySeries> volumes;
   for (const auto& [uid, members] : series)
   {
     if (DirectionsOf(members).size() > 1)
     {
       // Made to plan the others.
-      volumes.push_back(CandidateOf(members));
-      volumes.back().Series.LeftOut = "localizer (slices in several directions)";
+      volumes.push_back(VolumeOf(members));
+      volumes.back().LeftOut = "localizer (slices in several directions)";
       continue;
     }
     std::map<std::string, Slices> kinds;
@@ -270,9 +255,9 @@ std::vector<SeriesCandidate> SplitIntoVolumes(const std::vector<DicomHeader>& sl
       {
         for (Slices& slab : SplitSlabs(phases[phase]))
         {
-          volumes.push_back(CandidateOf(std::move(slab)));
-          volumes.back().Series.Phase = static_cast<int>(phase) + 1;
-          volumes.back().Series.Phases = static_cast<int>(phases.size());
+          volumes.push_back(VolumeOf(std::move(slab)));
+          volumes.back().Phase = static_cast<int>(phase) + 1;
+          volumes.back().Phases = static_cast<int>(phases.size());
         }
       }
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/StudyPatients.h"
-
+#include "Private/HeaderRules.h"
 #include "Private/HeaderWords.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -20,16 +19,10 @@ struct Patient
   std::string Sex;
   std::size_t Images = 0;
   std::string FirstFile;
-
-  bool operator==(const Patient& other) const
-  {
-    return this->Id == other.Id && this->Name == other.Name && this->BirthDate == other.BirthDate &&
-      this->Sex == other.Sex;
-  }
 };
 
-/// However it is written: a name's empty parts may be there or not ("DOE^JANE^^^").
-std::string Written(const std::string& text)
+/// A name or identifier however it is written: a name may have empty parts ("DOE^JANE^^^").
+std::string Normalised(const std::string& text)
 {
   std::string words = HeaderWords(text);
   if (words.ends_with(' '))
@@ -44,8 +37,8 @@ Patient PatientOf(const DicomHeader& header)
   const DicomIdentity& identity = header.Identity;
   const std::string sex = HeaderWords(identity.PatientSex);
   // O: other, and what anonymisation leaves.
-  return { Written(identity.PatientId), Written(identity.PatientName), identity.PatientBirthDate,
-    sex == "f" || sex == "m" ? sex : std::string(), 1, header.Path };
+  return { Normalised(identity.PatientId), Normalised(identity.PatientName),
+    identity.PatientBirthDate, sex == "f" || sex == "m" ? sex : std::string(), 1, header.Path };
 }
 
 enum class Relation
@@ -101,26 +94,13 @@ std::string PlaceOf(const Patient& patient, const std::string& folder)
 std::vector<std::string> CheckOnePatient(const std::vector<DicomHeader>& images,
   const std::string& folder)
 {
+  bool likely = false;
   std::vector<Patient> patients;
   for (const DicomHeader& header : images)
   {
     const Patient patient = PatientOf(header);
-    const auto known = std::find(patients.begin(), patients.end(), patient);
-    if (known != patients.end())
-    {
-      ++known->Images;
-    }
-    else
-    {
-      patients.push_back(patient);
-    }
-  }
-  bool likely = false;
-  std::vector<Patient> different;
-  for (const Patient& patient : patients)
-  {
     Patient* same = nullptr;
-    for (Patient& other : different)
+    for (Patient& other : patients)
     {
       const Relation relation = Compare(other, patient);
       likely = likely || relation == Relation::Likely;
@@ -128,24 +108,24 @@ std::vector<std::string> CheckOnePatient(const std::vector<DicomHeader>& images,
     }
     if (same)
     {
-      same->Images += patient.Images;
+      ++same->Images;
     }
     else
     {
-      different.push_back(patient);
+      patients.push_back(patient);
     }
   }
-  if (different.size() > 1)
+  if (patients.size() > 1)
   {
     std::string found;
-    for (std::size_t number = 0; number < different.size() && number < 4; ++number)
+    for (std::size_t number = 0; number < patients.size() && number < 4; ++number)
     {
-      const Patient& patient = different[number];
+      const Patient& patient = patients[number];
       found += (number > 0 ? ", " : "") + std::to_string(patient.Images) + " images of patient #" +
         NumberOf(patient) + " (first in " + PlaceOf(patient, folder) + ")";
     }
     throw InputError(folder + ": expected the images of one patient, found those of " +
-      std::to_string(different.size()) + ": " + found + (different.size() > 4 ? ", ..." : ""));
+      std::to_string(patients.size()) + ": " + found + (patients.size() > 4 ? ", ..." : ""));
   }
   if (likely)
   {

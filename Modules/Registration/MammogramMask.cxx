@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/MammogramMask.h"
+#include "mammoray/Registration/MammogramMask.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -251,5 +254,22 @@ double ExcludeSaturated(RegistrationTarget& target)
     }
   }
   return area;
+}
+
+void ExcludePixels(const std::vector<unsigned char>& mask, RegistrationTarget& target)
+{
+  if (mask.size() != target.BreastMask.size())
+  {
+    throw InputError("mask: expected a value for each of " +
+      std::to_string(target.BreastMask.size()) + " pixels, found " + std::to_string(mask.size()));
+  }
+  AllowExclusion(target);
+  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
+  {
+    if (mask[pixel] != 0)
+    {
+      target.Excluded[pixel] = 1;
+    }
+  }
 }
 }
