@@ -19,43 +19,53 @@ using Json = nlohmann::ordered_json;
 
 constexpr int TruthVersion = 1;
 
-Json ViewJson(const TrueView& view)
+/// Tells `field` the path and value of each field of a view, for the reader and the writer.
+template <typename Field, typename View>
+void ListTruthOfView(const Field& field, View& view)
 {
-  return { { "view", view.View }, { "file", view.File },
-    { "pose",
-      { { "thickness_mm", view.Pose.ThicknessMm }, { "roll_deg", view.Pose.RollDeg },
-        { "pitch_deg", view.Pose.PitchDeg }, { "yaw_deg", view.Pose.YawDeg },
-        { "lateral_mm", view.Pose.LateralMm }, { "anterior_mm", view.Pose.AnteriorMm },
-        { "vertical_mm", view.Pose.VerticalMm }, { "tilt_deg", view.Pose.TiltDeg } } },
-    { "source_to_detector_mm", view.Unit.SourceToDetectorMm },
-    { "support_height_mm", view.Unit.SupportHeightMm },
-    { "header_thickness_mm", view.HeaderThicknessMm }, { "paddle_force_n", view.PaddleForceN },
-    { "points_gantry_mm", view.Gantry }, { "points_receptor_mm", view.Receptor },
-    { "points_pixel", view.Pixels } };
+  field("/view", view.View);
+  field("/file", view.File);
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    if (parameter.Index != StiffnessParameter) // the factors of the materials are in the study
+    {
+      field(std::string("/pose/") + parameter.Name + '_' + parameter.Unit,
+        view.Pose.*parameter.Value);
+    }
+  }
+  field("/source_to_detector_mm", view.Unit.SourceToDetectorMm);
+  field("/support_height_mm", view.Unit.SupportHeightMm);
+  field("/header_thickness_mm", view.HeaderThicknessMm);
+  field("/paddle_force_n", view.PaddleForceN);
+  field("/points_gantry_mm", view.Gantry);
+  field("/points_receptor_mm", view.Receptor);
+  field("/points_pixel", view.Pixels);
 }
 
-TrueView ViewOf(const Json& json)
+template <typename Field, typename Truth>
+void ListTruth(const Field& field, Truth& truth)
 {
-  TrueView view;
-  view.View = json.at("view");
-  view.File = json.at("file");
-  const Json& pose = json.at("pose");
-  view.Pose.ThicknessMm = pose.at("thickness_mm");
-  view.Pose.RollDeg = pose.at("roll_deg");
-  view.Pose.PitchDeg = pose.at("pitch_deg");
-  view.Pose.YawDeg = pose.at("yaw_deg");
-  view.Pose.LateralMm = pose.at("lateral_mm");
-  view.Pose.AnteriorMm = pose.at("anterior_mm");
-  view.Pose.VerticalMm = pose.at("vertical_mm");
-  view.Pose.TiltDeg = pose.at("tilt_deg");
-  view.Unit.SourceToDetectorMm = json.at("source_to_detector_mm");
-  view.Unit.SupportHeightMm = json.at("support_height_mm");
-  view.HeaderThicknessMm = json.at("header_thickness_mm");
-  view.PaddleForceN = json.at("paddle_force_n");
-  view.Gantry = json.at("points_gantry_mm").get<std::vector<Vector3>>();
-  view.Receptor = json.at("points_receptor_mm").get<std::vector<std::array<double, 2>>>();
-  view.Pixels = json.at("points_pixel").get<std::vector<std::array<double, 2>>>();
-  return view;
+  field("/seed", truth.Seed);
+  field("/scanner", truth.Scanner);
+  field("/materials", truth.Materials);
+  field("/stiffness_factors", truth.StiffnessFactors);
+  field("/youngs_moduli_kpa", truth.YoungsModuliKPa);
+  field("/mean_hang_mm", truth.MeanHangMm);
+  field("/glide_stiffness_kpa_per_mm", truth.GlideStiffness);
+  field("/points_mri_lps_mm", truth.MriPoints);
+  field("/points_rest_lps_mm", truth.RestPoints);
+}
+
+auto Into(Json& json)
+{
+  return [&json](const std::string& path, const auto& value)
+  { json[Json::json_pointer(path)] = value; };
+}
+
+auto From(const Json& json)
+{
+  return [&json](const std::string& path, auto& value)
+  { json.at(Json::json_pointer(path)).get_to(value); };
 }
 }
 
@@ -69,15 +79,12 @@ const TrueView* StudyTruth::FindView(const std::string& view) const
 void WriteStudyTruth(const StudyTruth& truth, const std::string& path)
 {
   Json json{ { "truth_version", TruthVersion }, { "laterality", std::string(1, truth.Laterality) },
-    { "seed", truth.Seed }, { "scanner", truth.Scanner }, { "patient_position", "HFP" },
-    { "materials", truth.Materials }, { "stiffness_factors", truth.StiffnessFactors },
-    { "youngs_moduli_kpa", truth.YoungsModuliKPa }, { "mean_hang_mm", truth.MeanHangMm },
-    { "glide_stiffness_kpa_per_mm", truth.GlideStiffness },
-    { "points_mri_lps_mm", truth.MriPoints }, { "points_rest_lps_mm", truth.RestPoints },
-    { "views", Json::array() } };
+    { "patient_position", "HFP" } };
+  ListTruth(Into(json), truth);
+  json["views"] = Json::array();
   for (const TrueView& view : truth.Views)
   {
-    json["views"].push_back(ViewJson(view));
+    ListTruthOfView(Into(json["views"].emplace_back()), view);
   }
   WriteAtomicFile(path, json.dump(1) + '\n');
 }
@@ -99,18 +106,10 @@ StudyTruth ReadStudyTruth(const std::string& path)
         " of a virtual study's truth, found " + json.at("truth_version").dump());
     }
     truth.Laterality = json.at("laterality").get<std::string>() == "R" ? 'R' : 'L';
-    truth.Seed = json.at("seed");
-    truth.Scanner = json.at("scanner");
-    truth.Materials = json.at("materials").get<std::vector<std::string>>();
-    truth.StiffnessFactors = json.at("stiffness_factors").get<std::vector<double>>();
-    truth.YoungsModuliKPa = json.at("youngs_moduli_kpa").get<std::vector<double>>();
-    truth.MeanHangMm = json.at("mean_hang_mm");
-    truth.GlideStiffness = json.at("glide_stiffness_kpa_per_mm");
-    truth.MriPoints = json.at("points_mri_lps_mm").get<std::vector<Vector3>>();
-    truth.RestPoints = json.at("points_rest_lps_mm").get<std::vector<Vector3>>();
+    ListTruth(From(json), truth);
     for (const Json& view : json.at("views"))
     {
-      truth.Views.push_back(ViewOf(view));
+      ListTruthOfView(From(view), truth.Views.emplace_back());
     }
   }
   catch (const Json::exception& error)
