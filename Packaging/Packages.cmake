@@ -57,12 +57,14 @@ install(FILES "${CMAKE_BINARY_DIR}/packaging/overrides" DESTINATION "${CMAKE_INS
   RENAME ${libraries} COMPONENT runtime)
 
 if (TARGET mammoray)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
   # A page for the program and for each of its commands; the program itself says which they are.
   add_custom_command(OUTPUT "${documents}/manual.stamp"
-    COMMAND "${CMAKE_COMMAND}" -D "PROGRAM=$<TARGET_FILE:mammoray>" -D "FOLDER=${documents}/man1"
-      -D "COMPLETION=${documents}/completion" -D "GZIP=${GZIP}" -P "${CMAKE_CURRENT_SOURCE_DIR}/Packaging/Manual.cmake"
+    COMMAND "${CMAKE_COMMAND}" -E rm -rf "${documents}/man1"
+    COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/Applications/mammoray/writeReference.py"
+      "$<TARGET_FILE:mammoray>" "${documents}"
     COMMAND "${CMAKE_COMMAND}" -E touch "${documents}/manual.stamp"
-    DEPENDS mammoray Packaging/Manual.cmake VERBATIM)
+    DEPENDS mammoray Applications/mammoray/writeReference.py VERBATIM)
   list(APPEND package_documents "${documents}/manual.stamp")
   install(DIRECTORY "${documents}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT program OPTIONAL)
   install(FILES "${documents}/completion" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"

@@ -62,7 +62,6 @@ public:
     }
     Place first = this->At(start, nullptr);
     this->Keep(first);
-    this->Result.Before = this->SimilarityOfBest();
     return first;
   }
 

@@ -2,9 +2,9 @@
 #ifndef mammoray_Validation_OutlineBaseline_h
 #define mammoray_Validation_OutlineBaseline_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Registration/UnitPlacement.h"
 
 #include <vector>
 

@@ -4,11 +4,11 @@
 #ifndef mammoray_Validation_PatientTissue_h
 #define mammoray_Validation_PatientTissue_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <functional>
 #include <vector>

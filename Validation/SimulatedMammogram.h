@@ -3,7 +3,6 @@
 #define mammoray_Validation_SimulatedMammogram_h
 
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
 
 #include <array>
 #include <cstdint>

@@ -4,8 +4,8 @@
 
 #include "PatientTissue.h"
 #include "SimulatedMammogram.h"
-#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <array>
 #include <vector>

@@ -10,7 +10,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegistrationCase.h"

@@ -3,9 +3,9 @@
 #define mammoray_Validation_TwinExperiment_h
 
 #include "SimulatedMammogram.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 

@@ -14,7 +14,7 @@
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/PosedBreast.h"
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 #ifndef mammoray_Validation_VirtualStudy_h
 #define mammoray_Validation_VirtualStudy_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/StudyTruth.h"
 
 #include <array>

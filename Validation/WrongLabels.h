@@ -2,7 +2,7 @@
 #ifndef mammoray_Validation_WrongLabels_h
 #define mammoray_Validation_WrongLabels_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <vector>
 

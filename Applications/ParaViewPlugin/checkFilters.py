@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What filters.xml.in says of the filters against their headers, without ParaView: every property's setter is there and takes so many
+"""What writeFilters.py says of the filters against their headers, without ParaView: every property's setter is there and takes so many
 values, every setter is offered, each property is documented, and its default lies in its range. And that openResult.py opens result
 files of the version that is written."""
 import pathlib
 import re
 import sys
-import xml.etree.ElementTree
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "MammoRay"))
+import writeFilters  # noqa: E402  of that folder
+
 MODULES = HERE.parent.parent / "Modules"
 HEADERS = MODULES / "Filters"
 # Offered in other ways: inputs; what Spectrum, MaterialTable and the tables they name say in ParaView.
@@ -69,15 +71,13 @@ def version_troubles():
 
 
 def main():
-    text = re.sub(r"@[A-Z_]+@", "", (HERE / "MammoRay" / "filters.xml.in").read_text(encoding="utf-8"))
     found = []
-    proxies = xml.etree.ElementTree.fromstring(text).iter("SourceProxy")
     count = 0
-    for proxy in proxies:
+    for proxy in writeFilters.server_manager(MODULES.parent / "Data").iter("SourceProxy"):
         header = HEADERS / (proxy.get("class") + ".h")
         if header.exists():
             count += 1
-            found += [f"filters.xml.in: {line}" for line in troubles(proxy, setters(header.read_text(encoding="utf-8")))]
+            found += [f"writeFilters.py: {line}" for line in troubles(proxy, setters(header.read_text(encoding="utf-8")))]
     found += version_troubles()
     for line in found:
         print(line)

@@ -3,6 +3,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/MeshIO.h"
@@ -31,7 +32,6 @@ struct CompressArguments
   /// Time series; empty: none.
   std::string Series;
   int SeriesSteps = 11;
-  bool Overwrite = false;
 };
 
 /// What is compressed, and what is simulated on.
@@ -40,7 +40,7 @@ void DeclareMeshes(const OptionList& add, CompressionCase& input)
   AddMeshOption(add, input.Mesh)->required();
   AddMaterialsOption(add, input.Materials)->required();
   AddOrientationOption(add, input.Orientation);
-  AddLabelOptions(add, input.Labels);
+  AddLabelsOption(add, input.Labels.Path);
   AddSimulationMeshOption(add, input.SimulationMesh);
   AddSimulationCellSizeOption(add.Expert(), input.SimulationCellSizeMm);
   add.Expert().Choice<ElementType>("--element", input.Loading.Element,
@@ -62,7 +62,8 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
     "turns the unit by 0, 45 or 90 degrees, to which --roll is added");
   AddSideOption(add, input.Side)->needs(view);
   AddPoseOptions(add.Expert(), input.Pose);
-  AddPlateOptions(add, input.Unit.SupportEdgeMm, input.Unit.PaddleEdgeMm, input.Unit.EdgeRadiusMm);
+  add.CaseFile()("--edge-radius", input.Unit.EdgeRadiusMm, Between(0, MostEdgeRadiusMm, "mm"),
+    "radius of the plates' chest-wall edges");
 }
 
 /// What the breast feels beside the plates.
@@ -88,8 +89,6 @@ void DeclareLoading(const OptionList& add, CompressionCase& input)
     "of the sliding or elastic chest wall against being left");
   file("--wall-tangential-stiffness", loading.Wall.Tangential, NonNegative("kPa/mm"),
     "of the elastic chest wall against gliding");
-  file.Flag("--gravity", input.Gravity,
-    "the weight of the standing patient counts, though the mesh is taken for free of load");
 }
 
 void Declare(const OptionList& add, CompressArguments& arguments)
@@ -104,23 +103,22 @@ void Declare(const OptionList& add, CompressArguments& arguments)
     "time series for ParaView: a .pvd file, with its .vtu files beside it");
   add.Expert()("--series-steps", arguments.SeriesSteps, Between(2, 1000),
     "of the series, from plates that touch nothing to the compressed breast");
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void CheckOutputs(const CompressArguments& arguments)
 {
-  CheckOutputFile(arguments.Output, arguments.Overwrite, ".vtu", "a volume mesh");
-  CheckPictureFile(arguments.Picture, arguments.Overwrite);
+  CheckOutputFile(arguments.Output, ".vtu", "a volume mesh");
+  CheckPictureFile(arguments.Picture);
   if (arguments.Series.empty())
   {
     return;
   }
-  CheckOutputFile(arguments.Series, arguments.Overwrite, ".pvd", "a time series");
+  CheckOutputFile(arguments.Series, ".pvd", "a time series");
   for (const std::string& file :
     SeriesFiles(arguments.Series, static_cast<std::size_t>(arguments.SeriesSteps)))
   {
     // There may be more than a process may have open.
-    CheckOutputPlace(file, arguments.Overwrite);
+    CheckOutputPlace(file);
     if (std::filesystem::weakly_canonical(file) ==
       std::filesystem::weakly_canonical(arguments.Output))
     {
@@ -213,6 +211,7 @@ CompressionCaseResult Compress(const CompressionCase& input)
 void Run(CompressArguments& arguments)
 {
   CompressionCase& input = arguments.Case;
+  Program().ApplyTo(input.Labels);
   if (!arguments.ThicknessMm && !input.ForceN)
   {
     throw CLI::RequiredError("--thickness or --force");
@@ -220,7 +219,7 @@ void Run(CompressArguments& arguments)
   CheckInputFile(input.Mesh);
   CheckInputFileIfAny(input.SimulationMesh);
   CheckOutputs(arguments);
-  if (arguments.ThicknessMm && !input.Labels.AcceptUnusual)
+  if (arguments.ThicknessMm && !Program().AcceptUnusual)
   {
     CheckValidRange(ValidRanges::Thickness, *arguments.ThicknessMm, "ThicknessMm");
   }

@@ -16,15 +16,11 @@ namespace
 struct DemoArguments
 {
   std::string Output = "demo-result";
-  std::string Device;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, DemoArguments& arguments)
 {
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html");
-  AddDeviceOption(add, arguments.Device);
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 /// Runs one of the two commands as a user would write it, and shows how.
@@ -49,11 +45,11 @@ void Run(DemoArguments& arguments)
   const std::string folder = DataDirectory() + "/victre-phantom-1";
   std::vector<std::string> words{ "register", "--config", folder + "/register.json", "--output",
     arguments.Output };
-  if (!arguments.Device.empty())
+  if (const std::string& device = Program().Projector.Device; !device.empty())
   {
-    words.insert(words.end(), { "--device", arguments.Device });
+    words.insert(words.end(), { "--device", device });
   }
-  if (arguments.Overwrite)
+  if (Program().Overwrite)
   {
     words.emplace_back("--overwrite");
   }

@@ -9,12 +9,15 @@ namespace mammoray
 {
 namespace
 {
-void Declare(const OptionList& add, ProjectorOptions& options)
+struct DevicesArguments
 {
-  AddProjectorOptions(add, options);
+};
+
+void Declare(const OptionList&, DevicesArguments&)
+{
 }
 
-void Run(ProjectorOptions& options)
+void Run(DevicesArguments&)
 {
   std::string reason;
   const std::vector<DeviceDescription> devices = ListDevices(&reason);
@@ -29,7 +32,7 @@ void Run(ProjectorOptions& options)
       device.RayTracing ? "yes" : "no");
   }
   // Making the projector is the proof that the device can be used.
-  const auto projector = MakeProjector(options);
+  const auto projector = MakeProjector(Program().Projector);
   std::printf("chosen: %s, %s\n", projector->DeviceName().c_str(),
     MethodName(projector->Method()).c_str());
 }
@@ -37,7 +40,7 @@ void Run(ProjectorOptions& options)
 
 void AddDevicesCommand(CLI::App& application)
 {
-  AddCommand<ProjectorOptions>(application, "devices",
+  AddCommand<DevicesArguments>(application, "devices",
     "Vulkan devices of this machine, and the one that would be used.", Declare, Run);
 }
 }

@@ -32,13 +32,8 @@ struct DicomArguments
   bool ForProcessing = false;
   std::optional<Vector3> Point;
   std::string Lesion;
-  bool AxesAsGiven = false;
-  ProjectorOptions Projector;
   std::string Mri;
-  double MriSpacingMm = ResultObjects{}.MriSpacingMm;
-  double FieldSpacingMm = ResultObjects{}.FieldSpacingMm;
   std::string Output;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, DicomArguments& arguments)
@@ -53,18 +48,9 @@ void Declare(const OptionList& add, DicomArguments& arguments)
   shown.Input("--mri", arguments.Mri,
     "folder with the MRI's DICOM slices: adds it between the plates\n(in the frame of the label "
     "volume; and the registration that leads to it)");
-  const OptionList expert = shown.Expert();
-  AddAxesFlag(expert, arguments.AxesAsGiven);
-  AddProjectorOptions(expert, arguments.Projector);
-  const OptionList file = shown.CaseFile();
-  file("--mri-spacing", arguments.MriSpacingMm, Positive("mm"),
-    "voxels of the MRI that is written");
-  file("--field-spacing", arguments.FieldSpacingMm, Positive("mm"),
-    "voxels of the registration that is written");
   add("-o,--output", arguments.Output,
     "the synthetic mammogram (.dcm) or a new folder for all objects\n(default: the folder dicom in "
     "that of --result)");
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
@@ -107,17 +93,15 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
   }
   if (!arguments.Lesion.empty())
   {
-    objects.Lesions = ReadLesions(arguments.Lesion, AxesOf(arguments.AxesAsGiven));
+    objects.Lesions = ReadLesions(arguments.Lesion, AxesOf(Program().AxesAsGiven));
   }
   objects.Mri = arguments.Mri;
-  objects.MriSpacingMm = arguments.MriSpacingMm;
-  objects.FieldSpacingMm = arguments.FieldSpacingMm;
   const RegisteredBreast breast(ReadBreastInUnit(result));
   WriteAtomicFolder(arguments.Output,
     [&](const std::string& folder)
     {
       WriteSynthetic(arguments, result, {}, folder + "/synthetic.dcm");
-      WriteResultObjects(result, breast, objects, arguments.Projector, folder, MakeProgressBar());
+      WriteResultObjects(result, breast, objects, Program().Projector, folder, MakeProgressBar());
     });
   std::printf("wrote %s\n", arguments.Output.c_str());
 }
@@ -142,7 +126,7 @@ void Run(DicomArguments& arguments)
   CheckInputFile(arguments.Mammogram);
   if (alone)
   {
-    CheckOutputFile(arguments.Output, arguments.Overwrite);
+    CheckOutputFile(arguments.Output);
   }
   const DicomIdentity identity = arguments.Patient.Identity();
   const ResultFile result = ReadResultFile(arguments.Result);

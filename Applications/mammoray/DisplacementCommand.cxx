@@ -20,7 +20,6 @@ struct DisplacementArguments
   double SpacingMm = 2;
   double MarginMm = 10;
   std::string Output;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, DisplacementArguments& arguments)
@@ -38,13 +37,12 @@ void Declare(const OptionList& add, DisplacementArguments& arguments)
   add("-o,--output", arguments.Output,
     "displacement field (.nrrd .mha .nii.gz) or ITK transform (.h5 .tfm)\n(mm, LPS, of points)")
     ->required();
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(DisplacementArguments& arguments)
 {
   CheckDisplacementExtension(arguments.Output);
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  CheckOutputFile(arguments.Output);
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));

@@ -28,8 +28,6 @@ struct ExampleArguments
   std::string Name;
   std::string Output;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  ProjectorOptions Projector;
-  bool Overwrite = false;
 };
 
 /// An example's files in a folder: mesh, transmission and picture.
@@ -48,7 +46,7 @@ struct ExampleFiles
 
 /// Whether the folder is to be made, with all files at once; throws InputError where it cannot be,
 /// and where one is there that the files cannot be put into.
-bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool overwrite)
+bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files)
 {
   std::error_code none;
   if (!folder.empty() && !fs::exists(folder, none))
@@ -62,7 +60,7 @@ bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool
   }
   for (const std::string& file : { files.Mesh, files.Image, files.Picture })
   {
-    CheckOutputFile(file, overwrite);
+    CheckOutputFile(file);
   }
   return false;
 }
@@ -71,9 +69,7 @@ void Declare(const OptionList& add, ExampleArguments& arguments)
 {
   add("name", arguments.Name, "test, boxes, veins or breast")->required();
   add("-o,--output", arguments.Output, "folder for the three files, made if need be")->required();
-  AddOverwriteFlag(add, arguments.Overwrite);
   AddSpectrumOption(add.Expert(), arguments.Spectrum);
-  AddProjectorOptions(add, arguments.Projector);
 }
 
 void Run(ExampleArguments& arguments)
@@ -90,10 +86,10 @@ void Run(ExampleArguments& arguments)
   exposed.Source = scene.Source;
   exposed.Detector = scene.Detector;
   const ExampleFiles files(arguments.Output, scene.Name);
-  const bool makesFolder = IsFolderToBeMade(arguments.Output, files, arguments.Overwrite);
+  const bool makesFolder = IsFolderToBeMade(arguments.Output, files);
 
   ReportProgress(progress, 0.3, "projecting");
-  Exposer exposer(arguments.Projector);
+  Exposer exposer(Program().Projector);
   const Exposure exposure = exposer.Expose(exposed);
   const auto image = ToImage(exposure, scene.Detector, names);
 

@@ -24,22 +24,17 @@ struct FuseArguments
 {
   std::string Result;
   std::string Image;
-  bool AxesAsGiven = false;
-  bool AcceptUnusual = false;
   double SpacingMm = 1.0;
   std::string Output;
   std::string Projection;
   std::string MaximumPicture;
   std::string MeanPicture;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, FuseArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
   AddImageOption(add, arguments.Image)->required();
-  AddAxesFlag(add.Expert(), arguments.AxesAsGiven);
-  AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
   add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
   add("-o,--output", arguments.Output,
     "the image in the compressed breast (.nrrd .mha .nii.gz), 0 outside");
@@ -49,7 +44,6 @@ void Declare(const OptionList& add, FuseArguments& arguments)
   add("--maximum-picture", arguments.MaximumPicture,
     "the maximum as a picture (.png) of the mammogram's rows and columns");
   add("--mean-picture", arguments.MeanPicture, "the mean as such a picture (.png)");
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(FuseArguments& arguments)
@@ -62,25 +56,25 @@ void Run(FuseArguments& arguments)
   }
   if (!arguments.Output.empty())
   {
-    CheckOutputFile(arguments.Output, arguments.Overwrite);
+    CheckOutputFile(arguments.Output);
     CheckLabelVolumeExtension(arguments.Output);
   }
   if (!arguments.Projection.empty())
   {
-    CheckOutputFile(arguments.Projection, arguments.Overwrite);
+    CheckOutputFile(arguments.Projection);
     CheckProjectionExtension(arguments.Projection);
   }
-  CheckPictureFile(arguments.MaximumPicture, arguments.Overwrite);
-  CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
-  if (!arguments.AcceptUnusual)
+  CheckPictureFile(arguments.MaximumPicture);
+  CheckPictureFile(arguments.MeanPicture);
+  if (!Program().AcceptUnusual)
   {
     CheckValidRange(ValidRanges::VoxelSpacing, arguments.SpacingMm, "SpacingMm");
   }
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
-  const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(arguments.AxesAsGiven));
-  if (!arguments.AcceptUnusual)
+  const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(Program().AxesAsGiven));
+  if (!Program().AcceptUnusual)
   {
     CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image);
   }

@@ -80,11 +80,23 @@ std::string NameAndType(const Declaration& declaration)
   return text + " " + (fits ? words : words.empty() ? option.get_type_name() : "WORD") + more;
 }
 
+/// " (greater than 0; default 50)", or nothing.
+std::string ValueRemark(const Declaration& declaration, bool withRange)
+{
+  const std::string range = withRange ? declaration.Numbers.Range() : "";
+  const std::string standard = declaration.Option->get_default_str();
+  std::string text = range;
+  text += standard.empty() ? "" : (text.empty() ? "" : "; ") + ("default " + standard);
+  text +=
+    declaration.Option->get_required() ? (text.empty() ? "" : "; ") + std::string("required") : "";
+  return text.empty() ? "" : " (" + text + ")";
+}
+
 std::string Entry(const Declaration& declaration, bool all)
 {
   const CLI::Option& option = *declaration.Option;
   const std::string name = NameAndType(declaration);
-  std::string text = all ? WholeHelp(option)
+  std::string text = all ? declaration.Help()
                          : option.get_description().substr(0, option.get_description().find('\n'));
   if (!declaration.Words.empty() && name.find('|') == std::string::npos)
   {
@@ -227,24 +239,6 @@ std::string Wrapped(const std::string& text, std::size_t width)
     wrapped += line + "\n";
   }
   return wrapped;
-}
-
-std::string WholeHelp(const CLI::Option& option)
-{
-  std::string text = option.get_description();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
-std::string ValueRemark(const Declaration& declaration, bool withRange)
-{
-  const std::string range = withRange ? declaration.Numbers.Range() : "";
-  const std::string standard = declaration.Option->get_default_str();
-  std::string text = range;
-  text += standard.empty() ? "" : (text.empty() ? "" : "; ") + ("default " + standard);
-  text +=
-    declaration.Option->get_required() ? (text.empty() ? "" : "; ") + std::string("required") : "";
-  return text.empty() ? "" : " (" + text + ")";
 }
 
 void CheckWords(const CLI::App& application, const std::vector<std::string>& words)

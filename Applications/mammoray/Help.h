@@ -9,13 +9,10 @@
 namespace CLI
 {
 class App;
-class Option;
 }
 
 namespace mammoray
 {
-struct Declaration;
-
 /// Gives every command its example and help that is as wide as the terminal (elsewhere as COLUMNS
 /// says, else 100). Call it after the commands are added.
 void SetUpHelp(CLI::App& application);
@@ -27,12 +24,6 @@ std::string Wrapped(const std::string& text, std::size_t width);
 /// Throws CLI::ValidationError, with near names, for a first word that is no command and for words
 /// that look like options which the command does not have: CLI11 would only say what it misses.
 void CheckWords(const CLI::App& application, const std::vector<std::string>& words);
-
-/// The help of an option in one line.
-std::string WholeHelp(const CLI::Option& option);
-
-/// " (greater than 0; default 50)", or nothing.
-std::string ValueRemark(const Declaration& declaration, bool withRange);
 }
 
 #endif

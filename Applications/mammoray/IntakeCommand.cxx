@@ -18,7 +18,6 @@ struct IntakeArguments
   std::string Folder;
   std::optional<char> Side;
   std::string Json;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, IntakeArguments& arguments)
@@ -27,14 +26,13 @@ void Declare(const OptionList& add, IntakeArguments& arguments)
     ->required();
   AddSideOption(add, arguments.Side);
   add("--json", arguments.Json, "write the same there, with the names of all files (.json)");
-  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(IntakeArguments& arguments)
 {
   if (!arguments.Json.empty())
   {
-    CheckOutputFile(arguments.Json, arguments.Overwrite, ".json", "a listing");
+    CheckOutputFile(arguments.Json, ".json", "a listing");
   }
   const StudyChoice choice =
     ChooseForRegistration(ReadStudy(arguments.Folder, MakeProgressBar()), arguments.Side);

@@ -24,6 +24,9 @@ namespace mammoray
 {
 namespace
 {
+/// Distance of a curve's points in the compressed breast, mm.
+constexpr double CurveStepMm = 0.25;
+
 struct LocateArguments
 {
   std::string Result;
@@ -33,13 +36,9 @@ struct LocateArguments
   std::string Also;
   std::string View;
   std::string Lesion;
-  bool AxesAsGiven = false;
-  ProjectorOptions Projector;
-  double StepMm = 0.25;
   std::string Mammogram;
   DicomPatient Patient;
   std::string Output;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, LocateArguments& arguments)
@@ -59,14 +58,8 @@ void Declare(const OptionList& add, LocateArguments& arguments)
     "curve of --pixel (.csv), outlines of --lesion (.csv) or its shadow (.dcm)\n(x_mm,y_mm,z_mm,"
     "material, and column, row and sigma_mm in each of the other mammograms; "
     "label,polygon,column,row; a DICOM segmentation)");
-  AddOverwriteFlag(add, arguments.Overwrite);
   add.Group("DICOM").Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp);
   AddDicomPatientOptions(add, arguments.Patient, true);
-  const OptionList expert = add.Expert();
-  AddAxesFlag(expert, arguments.AxesAsGiven);
-  AddProjectorOptions(expert, arguments.Projector);
-  expert("--step", arguments.StepMm, Positive("mm"),
-    "distance of the curve's points in the compressed breast");
 }
 
 void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
@@ -152,7 +145,7 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
   const LocateArguments& arguments)
 {
   const auto [column, row] = *arguments.Pixel;
-  const std::vector<RaySegment> stretches = breast.ToVolume(column, row, arguments.StepMm);
+  const std::vector<RaySegment> stretches = breast.ToVolume(column, row, CurveStepMm);
   if (!arguments.Output.empty())
   {
     WriteCurve(stretches, others, arguments.Output);
@@ -297,8 +290,8 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   {
     image = ReadSegmentedImage(registered, arguments);
   }
-  const LabelVolume volume = ReadLesions(arguments.Lesion, AxesOf(arguments.AxesAsGiven));
-  const auto projector = MakeProjector(arguments.Projector);
+  const LabelVolume volume = ReadLesions(arguments.Lesion, AxesOf(Program().AxesAsGiven));
+  const auto projector = MakeProjector(Program().Projector);
   std::vector<std::pair<int, LesionShadow>> lesions;
   for (const Lesion& found : FindLesions(volume))
   {
@@ -370,7 +363,7 @@ void Run(LocateArguments& arguments)
   }
   if (!arguments.Output.empty())
   {
-    CheckOutputFile(arguments.Output, arguments.Overwrite);
+    CheckOutputFile(arguments.Output);
     CheckDicomOptions(arguments);
   }
   std::vector<NamedBreast> others;

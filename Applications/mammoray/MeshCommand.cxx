@@ -33,7 +33,6 @@ struct MeshArguments
   std::vector<std::string> Surfaces;
   std::vector<std::string> CellSizeOf;
   std::vector<std::string> FacetSizeOf;
-  std::vector<std::string> FacetDistanceOf;
   bool ForMechanics = false;
   /// Without it the sizes have their defaults.
   CLI::Option* CellSize = nullptr;
@@ -42,8 +41,6 @@ struct MeshArguments
   std::string Report;
   std::string Picture;
   std::string CutPicture;
-  std::optional<Vector3> CutAt;
-  bool Overwrite = false;
 };
 
 /// What is meshed, what is written.
@@ -74,13 +71,8 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   add("--report", arguments.Report,
     "write volumes, cell quality and troubles with their places (.json)");
   add("--picture", arguments.Picture, "draw histograms of the cells' quality (.png)");
-  CLI::Option* cut = add("--cut-picture", arguments.CutPicture,
-    "draw three plane cuts through the mesh, coloured by material (.png)");
-  add.Expert()
-    .Numbers("--cut-at", arguments.CutAt, "X Y Z",
-      "point of the cuts, mm; default: the middle of the mesh")
-    ->needs(cut);
-  AddOverwriteFlag(add, arguments.Overwrite);
+  add("--cut-picture", arguments.CutPicture,
+    "draw three plane cuts through the middle of the mesh, coloured by material (.png)");
 }
 
 /// MATERIAL=MM each.
@@ -105,8 +97,6 @@ void DeclareSizes(const OptionList& add, MeshArguments& arguments)
   DeclareOfMaterial(expert, "--cell-size-of", arguments.CellSizeOf, "cell size of one material");
   DeclareOfMaterial(expert, "--facet-size-of", arguments.FacetSizeOf,
     "facet size of what bounds one material");
-  DeclareOfMaterial(expert, "--facet-distance-of", arguments.FacetDistanceOf,
-    "facet distance at the interfaces of one material");
   expert("--triangles", options.Triangles,
     "scale facets until there are so many interface triangles, within 10 %\n(0 does not; 5 million "
     "take about 13 minutes and 8 GB)");
@@ -114,14 +104,11 @@ void DeclareSizes(const OptionList& add, MeshArguments& arguments)
   file("--facet-angle", options.FacetAngleDeg, "deg", "smallest angle of facets, up to 30");
   file("--layer-facet-size", options.LayerFacetSizeMm, "mm",
     "refine facets down to this where they step over a thin layer; 0 does not");
-  file("--radius-edge", options.CellRadiusEdgeRatio, "largest circumradius / shortest edge");
   file("--smallest-component", options.SmallestComponentMm3, "mm3",
     "smaller parts go to their surroundings");
   file("--smoothing", options.SmoothingVoxels, "voxels", "smoothing of the voxels' stairs");
   file("--smallest-dihedral", options.SmallestDihedralDeg, "deg",
     "slivers are mended to this dihedral angle where that can be reached; 0 leaves them");
-  file("--optimisation-seconds", options.OptimisationSeconds, "s",
-    "time limit of each step of CGAL's own optimisation before that; 0 leaves it out");
 }
 
 void Declare(const OptionList& add, MeshArguments& arguments)
@@ -152,6 +139,7 @@ std::map<std::string, double> ParseSizes(const std::vector<std::string>& texts,
 void ParseCase(MeshArguments& arguments)
 {
   MeshCase& input = arguments.Case;
+  Program().ApplyTo(input.Labels);
   for (const std::string& text : arguments.Surfaces)
   {
     input.Surfaces.push_back(
@@ -160,7 +148,6 @@ void ParseCase(MeshArguments& arguments)
   }
   input.CellSizeOfMm = ParseSizes(arguments.CellSizeOf, "--cell-size-of");
   input.FacetSizeOfMm = ParseSizes(arguments.FacetSizeOf, "--facet-size-of");
-  input.FacetDistanceOfMm = ParseSizes(arguments.FacetDistanceOf, "--facet-distance-of");
   if (arguments.ForMechanics)
   {
     input.MechanicsCellSizeMm = arguments.CellSize->count() > 0 ? input.Options.CellSizeMm : 0;
@@ -169,12 +156,9 @@ void ParseCase(MeshArguments& arguments)
 
 void CheckReportFiles(const MeshArguments& arguments)
 {
-  if (!arguments.Report.empty())
-  {
-    CheckOutputFile(arguments.Report, arguments.Overwrite);
-  }
-  CheckPictureFile(arguments.Picture, arguments.Overwrite);
-  CheckPictureFile(arguments.CutPicture, arguments.Overwrite);
+  CheckOutputFileIfAny(arguments.Report);
+  CheckPictureFile(arguments.Picture);
+  CheckPictureFile(arguments.CutPicture);
 }
 
 /// Report and pictures, where they are asked for; `grid` may be null where there are no cuts.
@@ -183,7 +167,7 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
 {
   if (!arguments.CutPicture.empty())
   {
-    WriteMeshCuts(grid, arguments.CutAt, names, arguments.CutPicture);
+    WriteMeshCuts(grid, std::nullopt, names, arguments.CutPicture);
   }
   if (!arguments.Report.empty())
   {
@@ -349,7 +333,7 @@ void CheckArguments(const MeshArguments& arguments)
   {
     throw CLI::RequiredError(arguments.Output.empty() ? "--output" : "--materials");
   }
-  CheckOutputFile(arguments.Output, arguments.Overwrite, ".vtu", "a volume mesh");
+  CheckOutputFile(arguments.Output, ".vtu", "a volume mesh");
   CheckReportFiles(arguments);
 }
 

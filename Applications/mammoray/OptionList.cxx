@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <sstream>
 
@@ -58,6 +59,37 @@ std::string Declaration::Name() const
   return names.empty() ? this->Option->get_name(true) : names.front();
 }
 
+std::string Declaration::Help() const
+{
+  std::string text = this->Option->get_description();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+nlohmann::ordered_json Declaration::ToJson(const std::string& text) const
+{
+  using Json = nlohmann::ordered_json;
+  const bool isText = this->Kind == std::string("string");
+  return isText || !Json::accept(text) ? Json(text) : Json::parse(text);
+}
+
+nlohmann::ordered_json Declaration::Default() const
+{
+  using Json = nlohmann::ordered_json;
+  const std::string& text = this->Option->get_default_str();
+  if (!this->IsList() || text.size() < 2 || text.front() != '[')
+  {
+    return text.empty() ? Json() : this->ToJson(text);
+  }
+  // CLI11 writes the default of a list as [a,b].
+  Json values = Json::array();
+  for (const std::string& value : CLI::detail::split(text.substr(1, text.size() - 2), ','))
+  {
+    values.push_back(this->ToJson(value));
+  }
+  return values;
+}
+
 const Declaration* Command::Find(const std::string& name) const
 {
   const auto found = std::find_if(this->Declarations.begin(), this->Declarations.end(),
@@ -65,11 +97,9 @@ const Declaration* Command::Find(const std::string& name) const
   return found == this->Declarations.end() ? nullptr : &*found;
 }
 
-std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text)
+namespace
 {
-  return isSo ? "" : "expected " + expected + ", found " + text;
-}
-
+/// The finite decimal number that a text is.
 std::optional<double> ReadNumber(const std::string& text)
 {
   double value = 0;
@@ -79,11 +109,52 @@ std::optional<double> ReadNumber(const std::string& text)
     : std::nullopt;
 }
 
-bool IsPadded(const std::string& text)
+/// What a whole number is expected to be where the text is none; empty where it is one.
+std::string ExpectedOfWhole(const std::string& text, double lowest, double largest)
 {
-  const std::size_t first = text.find_first_not_of("+-");
-  return first != std::string::npos && text[first] == '0' && first + 1 < text.size() &&
-    std::isalnum(static_cast<unsigned char>(text[first + 1]));
+  const std::size_t first = std::min(text.find_first_not_of("+-"), text.size());
+  const std::string digits = text.substr(first);
+  if (digits.size() > 1 && digits.front() == '0' &&
+    std::isalnum(static_cast<unsigned char>(digits[1])))
+  {
+    return "a whole number without zeros before it";
+  }
+  if (const std::optional<double> number = ReadNumber(text);
+      number && (*number < lowest || *number > largest))
+  {
+    char range[80];
+    std::snprintf(range, sizeof range, "a whole number from %.0f to %.0f", lowest, largest);
+    return range;
+  }
+  const bool isWhole =
+    !digits.empty() && first < 2 && digits.find_first_not_of("0123456789") == std::string::npos;
+  return isWhole ? "" : "a whole number";
+}
+
+/// "expected WHAT, found TEXT", or nothing where nothing is expected.
+std::string Refusal(const std::string& expected, const std::string& text)
+{
+  return expected.empty() ? "" : "expected " + expected + ", found " + text;
+}
+}
+
+CLI::Validator NumberIn(const Quantity& quantity, bool isWhole, double lowest, double largest)
+{
+  return CLI::Validator(
+    [quantity, isWhole, lowest, largest](const std::string& text)
+    {
+      const std::optional<double> number = ReadNumber(text);
+      const std::string range = quantity.Range();
+      if (!range.empty() && !(number && quantity.Holds(*number)))
+      {
+        return Refusal("a number " + range, text);
+      }
+      return Refusal(isWhole ? ExpectedOfWhole(text, lowest, largest)
+          : number           ? ""
+                             : "a number",
+        text);
+    },
+    "");
 }
 
 CLI::Validator OneOfWords(const std::vector<std::string>& words)
@@ -92,7 +163,7 @@ CLI::Validator OneOfWords(const std::vector<std::string>& words)
     [words](const std::string& text)
     {
       const bool isOne = std::find(words.begin(), words.end(), text) != words.end();
-      return RefusalUnless(isOne, "one of " + CLI::detail::join(words, ", "), text);
+      return Refusal(isOne ? "" : "one of " + CLI::detail::join(words, ", "), text);
     },
     "");
 }

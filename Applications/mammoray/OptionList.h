@@ -4,10 +4,11 @@
 #ifndef mammoray_OptionList_h
 #define mammoray_OptionList_h
 
-#include "Configuration.h"
 #include "OutputFiles.h"
+#include "ProgramOptions.h"
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -57,6 +58,10 @@ enum class Shown
   InCaseFile
 };
 
+/// The heading of the options of every command, and what help shows in place of an input's type.
+inline constexpr const char* ProgramHeading = "Of every command";
+inline constexpr const char* InputTypeName = "PATH";
+
 /// What is declared of an option beside what CLI11 keeps: names, help, default, whether required.
 struct Declaration
 {
@@ -67,14 +72,22 @@ struct Declaration
   /// Of numbers.
   Quantity Numbers = "";
   /// The values that can be chosen; empty: any.
-  std::vector<std::string> Words;
+  std::vector<std::string> Words = {};
 
   /// The long name without dashes, or that of a positional argument.
   std::string Name() const;
+  /// The help in one line.
+  std::string Help() const;
   bool IsFlag() const { return this->Option->get_expected_max() == 0; }
   bool IsList() const { return this->Option->get_expected_max() > 1; }
-  /// Whether a case file may hold it: all but --config and the like.
+  bool IsInput() const { return this->Option->get_type_name() == InputTypeName; }
+  bool IsOfProgram() const { return this->Option->get_group() == ProgramHeading; }
+  /// Whether a case file may hold it: all but --config and --print-config.
   bool IsSetting() const { return this->Option->get_configurable(); }
+  /// A value as the command line has it, in JSON.
+  nlohmann::ordered_json ToJson(const std::string& text) const;
+  /// Null if there is none.
+  nlohmann::ordered_json Default() const;
 };
 
 /// A sub-command with what was declared of its options.
@@ -91,54 +104,18 @@ public:
 
   /// In the order of declaration.
   std::vector<Declaration> Declarations;
-  /// Holds the options that the command line does not take.
-  CLI::App CaseFile;
 };
 
-/// "expected WHAT, found TEXT" unless that is so. CLI11's own checks of numbers take NaN, tell the
-/// largest double in full, or do not tell what they expected.
-std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text);
+/// Accepts numbers of the quantity's range and from `lowest` to `largest`, which a variable holds.
+/// CLI11's own checks accept NaN and take 0x10 for 16 and 010 for 8.
+CLI::Validator NumberIn(const Quantity& quantity, bool isWhole, double lowest, double largest);
 
-/// The finite number that a text is in decimal: CLI11 takes 0x10 for 16.
-std::optional<double> ReadNumber(const std::string& text);
-
-/// Whether a whole number is written with zeros before it, which CLI11 takes for octal, or as 0x10.
-bool IsPadded(const std::string& text);
-
-/// Accepts numbers in the range that a variable of this type holds: whole ones or finite ones.
 template <typename Number>
 CLI::Validator NumberIn(const Quantity& quantity)
 {
-  return CLI::Validator(
-    [quantity](const std::string& text)
-    {
-      const std::optional<double> number = ReadNumber(text);
-      if (const std::string range = quantity.Range();
-          !range.empty() && !(number && quantity.Holds(*number)))
-      {
-        return RefusalUnless(false, "a number " + range, text);
-      }
-      if constexpr (std::is_integral_v<Number>)
-      {
-        using Limits = std::numeric_limits<Number>;
-        const bool isBeyond = number &&
-          (*number < static_cast<double>(Limits::min()) ||
-            *number > static_cast<double>(Limits::max()));
-        Number value{};
-        return RefusalUnless(!IsPadded(text) && CLI::detail::lexical_cast(text, value),
-          "a whole number" +
-            (IsPadded(text) ? " without zeros before it"
-                : isBeyond
-                ? " from " + std::to_string(Limits::min()) + " to " + std::to_string(Limits::max())
-                : ""),
-          text);
-      }
-      else
-      {
-        return RefusalUnless(number.has_value(), "a number", text);
-      }
-    },
-    "");
+  using Limits = std::numeric_limits<Number>;
+  return NumberIn(quantity, std::is_integral_v<Number>, static_cast<double>(Limits::lowest()),
+    static_cast<double>(Limits::max()));
 }
 
 /// Accepts one of the words.
@@ -152,7 +129,7 @@ CLI::Validator FileOrFolder();
 /**
  * Declares the options of a command. The variable's value is the default that --help and
  * --print-config show; an empty string, list or std::optional has none. The variables must outlive
- * the command. The first line of `help` is what --help shows; --help-all and the manual show all.
+ * the command. --help shows the first line of `help`; --help-all and the manual show all.
  */
 class OptionList
 {
@@ -184,7 +161,6 @@ public:
   {
     OptionList list = *this;
     list.Where = Shown::InCaseFile;
-    list.Place = &list.Owner->CaseFile;
     return list;
   }
 
@@ -207,7 +183,7 @@ public:
   CLI::Option* operator()(const std::string& name, T& value, const Quantity& quantity,
     const std::string& help) const
   {
-    using Value = typename ElementOf<T>::Type;
+    using Value = typename Unwrapped<T>::Type;
     CLI::Option* option = WithDefault(this->Place->add_option(name, value, help), value);
     if (!quantity.Unit.empty())
     {
@@ -217,7 +193,7 @@ public:
     {
       option->check(NumberIn<Value>(quantity));
     }
-    return this->Keep({ option, this->Where, KindOf<Value>(), quantity, {} });
+    return this->Keep({ option, this->Where, KindOf<Value>(), quantity });
   }
 
   /// Files or folders that are read, one or a list, or names of shipped ones: a configuration file
@@ -228,31 +204,36 @@ public:
     return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder());
   }
 
-  /// So many numbers at once; `type` names them in help: "X Y Z". Of an optional array help shows
-  /// no default.
-  template <typename Array>
-  CLI::Option* Numbers(const std::string& name, Array& value, const char* type,
-    const std::string& help, const Quantity& quantity = "") const
+  /// A fixed number of numbers; `type` names them in help: "X Y Z". `T`: an array, or an optional
+  /// one, which has no default.
+  template <typename T>
+  CLI::Option* Numbers(const std::string& name, T& value, const char* type, const std::string& help,
+    const Quantity& quantity = "") const
   {
-    using Value = typename ElementOf<Array>::Type;
-    const auto take = [&value](const std::vector<Value>& numbers)
-    { std::copy(numbers.begin(), numbers.end(), Begin(value)); };
-    CLI::Option* option = this->Place->add_option_function<std::vector<Value>>(name, take, help)
-                            ->expected(NumberOfElements(value))
-                            ->check(NumberIn<Value>(quantity))
+    using Array = typename Unwrapped<T>::Type;
+    using Number = typename Array::value_type;
+    const auto take = [&value](const std::vector<Number>& numbers)
+    {
+      Array array{};
+      std::copy(numbers.begin(), numbers.end(), array.begin());
+      value = array;
+    };
+    CLI::Option* option = this->Place->add_option_function<std::vector<Number>>(name, take, help)
+                            ->expected(static_cast<int>(std::tuple_size_v<Array>))
+                            ->check(NumberIn<Number>(quantity))
                             ->type_name(type);
-    if constexpr (requires { value.begin(); })
+    if constexpr (std::is_same_v<T, Array>)
     {
       option->default_str(
-        "[" + CLI::detail::join(std::vector<Value>(value.begin(), value.end())) + "]");
+        "[" + CLI::detail::join(std::vector<Number>(value.begin(), value.end())) + "]");
     }
-    return this->Keep({ option, this->Where, KindOf<Value>(), quantity, {} });
+    return this->Keep({ option, this->Where, KindOf<Number>(), quantity });
   }
 
   /// Sets the variable to true.
   CLI::Option* Flag(const std::string& name, bool& value, const std::string& help) const
   {
-    return this->Keep({ this->Place->add_flag(name, value, help), this->Where, "boolean", "", {} });
+    return this->Keep({ this->Place->add_flag(name, value, help), this->Where, "boolean" });
   }
 
   /// Sets the variable, which is true by default, to false.
@@ -260,7 +241,7 @@ public:
   {
     return this->Keep({ this->Place->add_flag_callback(
                           name, [&value]() { value = false; }, help),
-      this->Where, "boolean", "", {} });
+      this->Where, "boolean" });
   }
 
   /// One of some words, or a list of them.
@@ -309,17 +290,20 @@ public:
   }
 
 private:
-  /// The number or text that a variable, a list or an optional variable holds.
   template <typename T>
-  struct ElementOf
+  struct Unwrapped
   {
     using Type = T;
   };
   template <typename T>
-  requires(
-    requires { typename T::value_type; } && !std::is_same_v<T, std::string>) struct ElementOf<T>
+  struct Unwrapped<std::optional<T>>
   {
-    using Type = typename ElementOf<typename T::value_type>::Type;
+    using Type = T;
+  };
+  template <typename T>
+  struct Unwrapped<std::vector<T>>
+  {
+    using Type = T;
   };
 
   template <typename Value>
@@ -328,27 +312,6 @@ private:
     return std::is_integral_v<Value> ? "integer"
       : std::is_arithmetic_v<Value>  ? "number"
                                      : "string";
-  }
-
-  template <typename Number, std::size_t Count>
-  static Number* Begin(std::array<Number, Count>& value)
-  {
-    return value.data();
-  }
-  template <typename Array>
-  static auto* Begin(std::optional<Array>& value)
-  {
-    return value.emplace().data();
-  }
-  template <typename Number, std::size_t Count>
-  static int NumberOfElements(const std::array<Number, Count>&)
-  {
-    return static_cast<int>(Count);
-  }
-  template <typename Array>
-  static int NumberOfElements(const std::optional<Array>&)
-  {
-    return NumberOfElements(Array());
   }
 
   template <typename T>
@@ -383,7 +346,7 @@ Command* AddCommand(CLI::App& application, const std::string& name, const std::s
   application.add_subcommand(command);
   auto arguments = std::make_shared<Arguments>();
   declare(OptionList(*command), *arguments);
-  AddConfigurationOptions(*command);
+  AddProgramOptions(*command);
   command->callback(
     [command = command.get(), arguments, run]()
     {

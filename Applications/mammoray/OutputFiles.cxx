@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "OutputFiles.h"
 
+#include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
@@ -88,7 +89,7 @@ void CheckInputFileIfAny(const std::string& path)
   }
 }
 
-void CheckOutputPlace(const std::string& path, bool overwrite)
+void CheckOutputPlace(const std::string& path)
 {
   const auto require = [&](bool condition, const std::string& otherwise)
   {
@@ -102,17 +103,16 @@ void CheckOutputPlace(const std::string& path, bool overwrite)
   require(fs::is_directory(folder), "there is no folder " + folder.string());
   require(access(folder.c_str(), W_OK) == 0, "the folder " + folder.string() + " is not writable");
   require(!fs::is_directory(path), "expected a file name, found a folder");
-  require(overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
+  require(Program().Overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
   if (fs::exists(path))
   {
     CheckIsNoInput(path, 1); // the option of the output itself
   }
 }
 
-void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
-  const std::string& kind)
+void CheckOutputFile(const std::string& path, const std::string& extension, const std::string& kind)
 {
-  CheckOutputPlace(path, overwrite);
+  CheckOutputPlace(path);
   if (!extension.empty() && fs::path(path).extension() != extension)
   {
     throw InputError(path + ": expected the extension " + extension + " for " + kind);
@@ -123,20 +123,28 @@ void CheckOutputFile(const std::string& path, bool overwrite, const std::string&
   }
 }
 
-void CheckOutputBeside(const std::string& path, bool overwrite)
+void CheckOutputFileIfAny(const std::string& path)
+{
+  if (!path.empty())
+  {
+    CheckOutputFile(path);
+  }
+}
+
+void CheckOutputBeside(const std::string& path)
 {
   if (fs::exists(path))
   {
     CheckIsNoInput(path, 0);
   }
-  CheckOutputFile(path, overwrite);
+  CheckOutputFile(path);
 }
 
-void CheckPictureFile(const std::string& path, bool overwrite)
+void CheckPictureFile(const std::string& path)
 {
   if (!path.empty())
   {
-    CheckOutputFile(path, overwrite, ".png", "a picture");
+    CheckOutputFile(path, ".png", "a picture");
   }
 }
 

@@ -23,24 +23,27 @@ void NoteGiven(const CLI::App& command);
 
 /**
  * Throws InputError unless `path` can become an output file: its folder exists and is writable,
- * nothing is there yet or `overwrite` is set, and it is neither an input nor a file of the result
+ * nothing is there yet or --overwrite is given, and it is neither an input nor a file of the result
  * or DICOM folder that is read.
  */
-void CheckOutputPlace(const std::string& path, bool overwrite);
+void CheckOutputPlace(const std::string& path);
 
 /**
  * CheckOutputPlace, and reserves the file (ReserveFile). Throws InputError if another option names
  * it as an output, or if an `extension` (with its dot) is given that files of this `kind` ("a
  * picture") have and the path has not.
  */
-void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension = "",
+void CheckOutputFile(const std::string& path, const std::string& extension = "",
   const std::string& kind = "");
 
+/// CheckOutputFile unless the path is empty.
+void CheckOutputFileIfAny(const std::string& path);
+
 /// CheckOutputFile for an output that no option names because it is written beside another one.
-void CheckOutputBeside(const std::string& path, bool overwrite);
+void CheckOutputBeside(const std::string& path);
 
 /// CheckOutputFile for a picture (.png) unless the path is empty.
-void CheckPictureFile(const std::string& path, bool overwrite);
+void CheckPictureFile(const std::string& path);
 
 /// Reserves a folder (ReserveFolder); throws InputError unless it is new or empty.
 void CheckNewFolder(const std::string& path);

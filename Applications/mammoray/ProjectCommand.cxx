@@ -140,7 +140,7 @@ void CheckDeflection(const ProjectArguments& arguments)
     throw InputError("--deflection: expected .mha, .nrrd or .vti, found " + arguments.Deflection);
   }
   CheckProjectionExtension(arguments.Deflection);
-  CheckOutputFile(arguments.Deflection, arguments.Overwrite);
+  CheckOutputFile(arguments.Deflection);
 }
 
 void CheckInputs(const ProjectArguments& arguments)
@@ -182,8 +182,8 @@ void CheckOutputs(const ProjectArguments& arguments)
       throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
                        "--refraction, found another");
     }
-    CheckOutputBeside(BesideOutput(arguments.Output, "_low"), arguments.Overwrite);
-    CheckOutputBeside(BesideOutput(arguments.Output, "_high"), arguments.Overwrite);
+    CheckOutputBeside(BesideOutput(arguments.Output, "_low"));
+    CheckOutputBeside(BesideOutput(arguments.Output, "_high"));
   }
   const bool isDicom = IsDicomPath(arguments.Output);
   if (arguments.Series.IsAsked() &&
@@ -193,10 +193,10 @@ void CheckOutputs(const ProjectArguments& arguments)
   }
   if (arguments.Series.IsAsked() && !isDicom)
   {
-    CheckOutputBeside(SeriesDescriptionPath(arguments.Output), arguments.Overwrite);
+    CheckOutputBeside(SeriesDescriptionPath(arguments.Output));
     if (arguments.Series.FlatFields > 0)
     {
-      CheckOutputBeside(FlatFieldPath(arguments.Output), arguments.Overwrite);
+      CheckOutputBeside(FlatFieldPath(arguments.Output));
     }
   }
   else if (isDicom)
@@ -217,11 +217,11 @@ void CheckOutputs(const ProjectArguments& arguments)
   {
     CheckProjectionExtension(arguments.Output);
   }
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  CheckOutputFile(arguments.Output);
   if (!arguments.PathLengths.empty())
   {
     CheckProjectionExtension(arguments.PathLengths, true);
-    CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
+    CheckOutputFile(arguments.PathLengths);
   }
 }
 
@@ -511,7 +511,7 @@ void Run(ProjectArguments& arguments)
     scene.DoseHeightMm = arguments.Unit.SupportHeightMm + arguments.Pose.ThicknessMm;
   }
   ReportProgress(progress, 0.2, "tracing rays");
-  Exposer exposer(arguments.Projector);
+  Exposer exposer(Program().Projector);
   const ProjectionJob job{ arguments, exposer, *surface, std::move(scene) };
   const std::string warning = RunAsked(job, gantry, mammogram, progress);
   const std::string dose = wantsDose

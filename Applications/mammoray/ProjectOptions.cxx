@@ -24,7 +24,6 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     ->required();
   add("--path-lengths", arguments.PathLengths,
     "also path lengths, mm, a channel per material (.mha .nrrd .vti)");
-  AddOverwriteFlag(add, arguments.Overwrite);
   const OptionList expert = add.Expert();
   expert("--attenuation", arguments.Attenuations,
     "another attenuation of a material of the table, and density, g/cm3\n(a shipped table's name, "
@@ -39,7 +38,6 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     "and through each part meet some; mesh --check finds every crossing. Rays through overlaps are "
     "followed twice, on the host)")
     ->type_name("MATERIAL");
-  AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
 }
 
 /// Where source and detector stand.
@@ -179,7 +177,6 @@ void DeclareProject(const OptionList& add, ProjectArguments& arguments)
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
   AddViewOption(add.Group("DICOM"), arguments.View);
   AddDicomPatientOptions(add, arguments.Patient, false);
-  AddProjectorOptions(add, arguments.Projector);
 }
 
 bool ProjectArguments::IsPlacedByUnit() const
@@ -216,7 +213,7 @@ void CompleteScene(ProjectArguments& arguments)
   {
     arguments.Scatter.Method = "kernels";
   }
-  SetAttenuations(arguments.Attenuations, arguments.AcceptUnusual, scene);
+  SetAttenuations(arguments.Attenuations, Program().AcceptUnusual, scene);
   SetIodine(arguments.DualEnergy.Iodine, scene);
   SetScatter(arguments.Scatter, scene);
   scene.Samples = ToSamples(arguments.Surfaces);

@@ -28,7 +28,6 @@ struct ProjectArguments
   std::vector<std::string> Surfaces;
   IsGivenFunction IsGiven;
   std::vector<std::string> Attenuations;
-  bool AcceptUnusual = false;
   DualEnergyArguments DualEnergy;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
@@ -49,7 +48,6 @@ struct ProjectArguments
   std::string Deflection;
   ScatterArguments Scatter;
   SeriesArguments Series;
-  ProjectorOptions Projector;
   std::optional<char> Laterality;
   std::string View;
   /// "plain" or "realistic".
@@ -59,7 +57,6 @@ struct ProjectArguments
   DicomPatient Patient;
   std::string Output;
   std::string PathLengths;
-  bool Overwrite = false;
 
   /// Whether source and detector stand where the mammography unit has them.
   bool IsPlacedByUnit() const;

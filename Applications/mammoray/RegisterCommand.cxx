@@ -34,9 +34,7 @@ struct RegisterArguments
   std::optional<std::optional<PatientPosition>> ImagePosition;
   std::optional<double> ChestWallMarginMm;
   KernelScatterArguments Scatter;
-  ProjectorOptions Projector;
   std::string Output;
-  bool Overwrite = false;
 };
 
 /// A clinic's export, or labels, materials and mammograms.
@@ -92,7 +90,6 @@ void DeclareUnit(const OptionList& add, RegistrationCase& input)
   const OptionList unit = add.Group("Unit").Expert();
   unit("--source-to-detector", input.SourceToDetectorMm, "mm", SourceToDetectorHelp);
   unit("--support-height", input.SupportHeightMm, "mm", SupportHeightHelp);
-  AddPlateOptions(unit, input.SupportEdgeMm, input.PaddleEdgeMm, input.EdgeRadiusMm);
 }
 
 /// An option for each parameter of the pose: where the search starts, and what is kept if it is not
@@ -121,14 +118,22 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
   search.Input("--resume", input.Resume,
     "go on from an earlier result folder of the same inputs\n(or from the last step of a run for "
     "that folder that was cut off)");
-  AddComparisonOptions(search, input.Options);
-  search.Expert()("--iterations", input.Options.MaximumIterations, Positive(),
+  const OptionList expert = search.Expert();
+  expert("--pixel-sizes", input.Options.PixelSizesMm, Positive("mm"),
+    "pixels in which the pictures are compared, coarse to fine");
+  expert.Choice<PictureComparison>("--residual", input.Options.Comparison,
+    { { NameOf(PictureComparison::Gradient), PictureComparison::Gradient },
+      { NameOf(PictureComparison::Global), PictureComparison::Global },
+      { NameOf(PictureComparison::Local), PictureComparison::Local } },
+    "how pictures are compared at last: the gradient of log attenuation, or log attenuation "
+    "normalised globally or locally (in windows)");
+  expert("--iterations", input.Options.MaximumIterations, Positive(),
     "most iterations at each pixel size");
   const OptionList file = search.CaseFile();
+  file("--window", input.Options.WindowMm, Positive("mm"),
+    "edge of the windows of the local residual");
   file("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
     "expected error of the model's outline; where gradients are compared the pictures tell it");
-  file("--intensity-sigma", input.Options.IntensitySigma, Positive(),
-    "expected error of the model's picture, in its standard deviations, until then");
 }
 
 void DeclareLoading(const OptionList& add, RegisterArguments& arguments)
@@ -154,7 +159,6 @@ void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
 {
   const OptionList xrays = add.Group("X-rays").Expert();
   AddSpectrumOption(xrays, arguments.Case.Spectrum);
-  AddProjectorOptions(xrays, arguments.Projector);
   xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
     "the synthetic mammogram has what tissue scatters onto the detector\n(by kernels that are "
     "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
@@ -168,7 +172,6 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   DeclareInputs(add, arguments);
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html")
     ->required();
-  AddOverwriteFlag(add, arguments.Overwrite);
   DeclareReport(add, input);
   DeclareLoading(add, arguments);
   DeclareStart(add, input);
@@ -289,7 +292,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
   try
   {
     RegistrationCaseResult result = RunRegistrationCase(arguments.Case, MakeProgressBar());
-    WriteRegistrationCase(arguments.Case, result, arguments.Output, arguments.Overwrite);
+    WriteRegistrationCase(arguments.Case, result, arguments.Output, Program().Overwrite);
     return result;
   }
   catch (const InputError& error)
@@ -321,6 +324,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
 void Run(RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
+  Program().ApplyTo(input.Labels);
   if (arguments.Study.empty() &&
     (input.Labels.Path.empty() || input.Materials.empty() || input.Mammograms.empty()))
   {
@@ -337,7 +341,7 @@ void Run(RegisterArguments& arguments)
       arguments.Scatter.Interspace };
   }
   CheckNoInputWithin(arguments.Output);
-  CheckResultFolder(arguments.Output, arguments.Overwrite);
+  CheckResultFolder(arguments.Output, Program().Overwrite);
   if (!arguments.Study.empty())
   {
     TakeStudy(arguments.Study, arguments.Side, input, MakeProgressBar());
@@ -352,8 +356,8 @@ void Run(RegisterArguments& arguments)
     arguments.ChestWallMarginMm.value_or(input.Targets.ChestWallMarginMm);
   input.ImagePosition = arguments.ImagePosition.value_or(input.ImagePosition);
   CheckInputs(input);
-  input.Device = arguments.Projector.Device;
-  input.Projector = MethodName(arguments.Projector.Projection);
+  input.Device = Program().Projector.Device;
+  input.Projector = MethodName(Program().Projector.Projection);
   input.Checkpoint = CheckpointPath(arguments.Output);
   const RegistrationCaseResult result = RegisterAndWrite(arguments);
 

@@ -25,12 +25,10 @@ struct SegmentArguments
   std::string Image;
   /// Empty: Image alone.
   std::string Suppressed;
-  bool AxesAsGiven = false;
   std::string Orientation = "LPS";
   SegmentationOptions Options;
   std::string Output;
   std::string Picture;
-  bool Overwrite = false;
 };
 
 void Declare(const OptionList& add, SegmentArguments& arguments)
@@ -53,14 +51,9 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
       { "fat-dark", FatContrast::FatDark } },
     "fat is bright (plain T1) or dark\n(suppressed: SPAIR, SPIR, Dixon water); auto finds out");
   add("--label-spacing", options.SpacingMm, "mm", LabelSpacingHelp);
-  AddOverwriteFlag(add, arguments.Overwrite);
-  AddAxesFlag(add.Expert(), arguments.AxesAsGiven);
-  AddAcceptUnusualFlag(add, options.AcceptUnusual);
   const OptionList file = add.CaseFile();
   file("--skin-thickness", options.SkinThicknessMm, "mm",
     "layer below the air that becomes skin, at least a voxel; 0: none");
-  file("--chest-wall-depth", options.ChestWallDepthMm, "mm",
-    "how far the result reaches behind the front of the chest wall");
   file("--classes", options.Classes,
     "intensity classes of the breast, 2 to 5; the brightest (suppressed: the darkest) is fat, the "
     "others are gland");
@@ -69,15 +62,14 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     "(fat-suppressed); 0: by Otsu's method");
   file("--air-threshold", options.AirThreshold,
     "intensity of the MRI below which it is air; 0: by Otsu's method");
-  file("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
   file.FlagOff("--no-bias-correction", options.CorrectBias, "the intensities are even already");
 }
 
 void CheckArguments(const SegmentArguments& arguments)
 {
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  CheckOutputFile(arguments.Output);
   CheckLabelVolumeExtension(arguments.Output);
-  CheckPictureFile(arguments.Picture, arguments.Overwrite);
+  CheckPictureFile(arguments.Picture);
 }
 
 void PrintResult(const SegmentationResult& result, const MaterialTable& table)
@@ -111,10 +103,11 @@ void PrintResult(const SegmentationResult& result, const MaterialTable& table)
 void Run(SegmentArguments& arguments)
 {
   CheckArguments(arguments);
+  arguments.Options.AcceptUnusual = Program().AcceptUnusual;
   arguments.Options.Axes = AnatomicalAxes::FromCode(arguments.Orientation);
   arguments.Options.Validate();
   const MaterialTable table = FindMaterialTable("segment");
-  const VolumeAxes axes = AxesOf(arguments.AxesAsGiven);
+  const VolumeAxes axes = AxesOf(Program().AxesAsGiven);
   const IntensityVolume image = ReadIntensityVolume(arguments.Image, axes);
   const SegmentationResult result = arguments.Suppressed.empty()
     ? SegmentBreast(image, arguments.Options, MakeProgressBar())

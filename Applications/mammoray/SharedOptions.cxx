@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SharedOptions.h"
 
-#include "mammoray/Biomechanics/Plates.h"
-
 namespace mammoray
 {
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
@@ -22,8 +20,6 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
     "i-, i+, j-, j+, k- or k+: end of an axis at which the tissue was cut flat\nwith air behind "
     "(before the chest wall, say): it gets no --skin and does not move there")
     ->needs(labels);
-  AddAxesFlag(expert, source.AxesAsGiven);
-  AddAcceptUnusualFlag(add, source.AcceptUnusual);
   return labels;
 }
 
@@ -32,19 +28,6 @@ CLI::Option* AddLabelsOption(const OptionList& add, std::string& path)
   return add.Input("--labels", path,
     "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; the "
     "labels of a segmentation are its segment numbers)");
-}
-
-void AddAxesFlag(const OptionList& add, bool& asGiven)
-{
-  add.Flag("--axes-as-given", asGiven,
-    "take the axes of volumes' headers as they are, with no conversion to LPS");
-}
-
-void AddAcceptUnusualFlag(const OptionList& add, bool& accept)
-{
-  add.Expert().Flag("--accept-unusual", accept,
-    "accept values that no patient has, such as voxels of 100 mm\n(a refusal says where it is "
-    "needed)");
 }
 
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName)
@@ -63,23 +46,6 @@ CLI::Option* AddOrientationOption(const OptionList& add, std::string& code)
 CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName)
 {
   return add.Input("--spectrum", pathOrName, "spectrum: .spc or a shipped one's name");
-}
-
-void AddProjectorOptions(const OptionList& add, ProjectorOptions& options)
-{
-  AddDeviceOption(add, options.Device);
-  using Method = ProjectorOptions::Method;
-  add.Expert().Choice<Method>("--projector", options.Projection,
-    { { "auto", Method::Auto }, { "ray-tracing", Method::RayTracing },
-      { "rasterisation", Method::Rasterisation } },
-    "how path lengths are found; auto: by rays where hardware traces them");
-}
-
-void AddDeviceOption(const OptionList& add, std::string& device)
-{
-  add.Expert()("--device", device,
-    "part of the Vulkan device's name (see mammoray devices)\n(default: MAMMORAY_DEVICE, else the "
-    "most capable one)");
 }
 
 CLI::Option* AddResultOption(const OptionList& add, std::string& folder)
@@ -110,33 +76,6 @@ void AddPoseOptions(const OptionList& add, BreastPose& pose)
       AddPoseOption(add, parameter, pose.*parameter.Value);
     }
   }
-}
-
-void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddleEdgeMm,
-  double& edgeRadiusMm)
-{
-  const OptionList file = add.CaseFile();
-  file("--support-edge", supportEdgeMm, "mm",
-    "chest-wall edge of the support, in front of the receptor's (gantry y)");
-  file("--paddle-edge", paddleEdgeMm, "mm",
-    "chest-wall edge of the paddle, in front of the receptor's (gantry y)");
-  file("--edge-radius", edgeRadiusMm, Between(0, MostEdgeRadiusMm, "mm"),
-    "radius of the plates' chest-wall edges");
-}
-
-void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
-{
-  const OptionList expert = add.Expert();
-  expert("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
-    "pixels in which the pictures are compared, coarse to fine");
-  expert.Choice<PictureComparison>("--residual", options.Comparison,
-    { { NameOf(PictureComparison::Gradient), PictureComparison::Gradient },
-      { NameOf(PictureComparison::Global), PictureComparison::Global },
-      { NameOf(PictureComparison::Local), PictureComparison::Local } },
-    "how pictures are compared at last: the gradient of log attenuation, or log attenuation "
-    "normalised globally or locally (in windows)");
-  add.CaseFile()("--window", options.WindowMm, Positive("mm"),
-    "edge of the windows of the local residual");
 }
 
 void AddSimulationMeshOption(const OptionList& add, std::string& mesh)
@@ -221,10 +160,5 @@ void AddPixelOption(const OptionList& add, std::optional<std::array<double, 2>>&
   add.Numbers("--pixel", pixel, "COLUMN ROW",
     "a pixel of the mammogram: what lies along its X-ray\n(from 0 at the centre of the first "
     "pixel)");
-}
-
-void AddOverwriteFlag(const OptionList& add, bool& overwrite)
-{
-  add.Flag("--overwrite", overwrite, "replace what is there already");
 }
 }

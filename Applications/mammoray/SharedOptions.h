@@ -4,11 +4,9 @@
 #define mammoray_SharedOptions_h
 
 #include "OptionList.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Study/LabelSource.h"
-#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <array>
 #include <optional>
@@ -17,18 +15,11 @@
 
 namespace mammoray
 {
-/// Adds --labels, --crop, --skin, --cut-side, --axes-as-given and --accept-unusual; gives the
-/// option --labels.
+/// Adds --labels, --crop, --skin and --cut-side; gives the option --labels.
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 
 /// Adds --labels alone.
 CLI::Option* AddLabelsOption(const OptionList& add, std::string& path);
-
-/// Adds --axes-as-given: AxesOf of the volumes that the command reads.
-void AddAxesFlag(const OptionList& add, bool& asGiven);
-
-/// Adds --accept-unusual: values outside their ValidRange are accepted.
-void AddAcceptUnusualFlag(const OptionList& add, bool& accept);
 
 /// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName);
@@ -38,12 +29,6 @@ CLI::Option* AddOrientationOption(const OptionList& add, std::string& code);
 
 /// Adds --spectrum: a file or a shipped one's name.
 CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName);
-
-/// Adds --device and --projector auto|ray-tracing|rasterisation.
-void AddProjectorOptions(const OptionList& add, ProjectorOptions& options);
-
-/// Adds --device alone.
-void AddDeviceOption(const OptionList& add, std::string& device);
 
 /// Adds --result: the folder of a registration; gives the option.
 CLI::Option* AddResultOption(const OptionList& add, std::string& folder);
@@ -61,13 +46,6 @@ CLI::Option* AddPoseOption(const OptionList& add, const PoseParameter& parameter
 /// Adds an option for each parameter of the pose but thickness and stiffness, which do not say
 /// where the unit stands.
 void AddPoseOptions(const OptionList& add, BreastPose& pose);
-
-/// Adds the settings support-edge, paddle-edge and edge-radius.
-void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddleEdgeMm,
-  double& edgeRadiusMm);
-
-/// Adds --pixel-sizes, --residual and the setting window: how a registration compares pictures.
-void AddComparisonOptions(const OptionList& add, RegistrationOptions& options);
 
 /// Adds --simulation-mesh.
 void AddSimulationMeshOption(const OptionList& add, std::string& mesh);
@@ -122,9 +100,6 @@ void AddViewOption(const OptionList& add, T& view)
 
 /// Adds --pixel: a pixel of the mammogram.
 void AddPixelOption(const OptionList& add, std::optional<std::array<double, 2>>& pixel);
-
-/// Adds --overwrite.
-void AddOverwriteFlag(const OptionList& add, bool& overwrite);
 }
 
 #endif

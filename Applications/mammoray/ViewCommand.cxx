@@ -29,7 +29,6 @@ struct ViewArguments
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;
   std::string Screenshot;
-  bool Overwrite = false;
   std::optional<int> BenchmarkFrames;
 };
 
@@ -47,16 +46,16 @@ void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& sur
   AddLesionOption(add, input.Lesions);
   AddMaterialsOption(add, input.Materials);
   AddOrientationOption(add, input.Orientation);
+  AddPoseOption(add, PoseParameters[ThicknessParameter], input.Pose[ThicknessParameter]);
   const OptionList expert = add.Expert();
+  for (const PoseParameterIndex index : { RollParameter, LateralParameter, AnteriorParameter })
+  {
+    AddPoseOption(expert, PoseParameters[index], input.Pose[index]);
+  }
   AddSpectrumOption(expert, input.Spectrum);
   AddEnergyOption(expert, surfaces.EnergyKeV);
-  for (const PoseParameter& parameter : PoseParameters)
-  {
-    AddPoseOption(parameter.Index == ThicknessParameter ? add : expert, parameter,
-      input.Pose[parameter.Index]);
-  }
   expert("--pixel-spacing", input.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
-  AddLabelOptions(expert, input.Labels);
+  AddLabelsOption(expert, input.Labels.Path);
   AddSimulationMeshOption(expert, input.SimulationMesh);
 }
 
@@ -68,7 +67,6 @@ void Declare(const OptionList& add, ViewArguments& arguments)
   AddPixelOption(add, arguments.Pixel);
   add("--screenshot", arguments.Screenshot,
     "write the window's picture there (.png) and stop; nothing is shown");
-  AddOverwriteFlag(add, arguments.Overwrite);
   const OptionList expert = add.Expert();
   expert("--blend", arguments.Viewer.Blend, Between(0, 1),
     "share of the real mammogram at the beginning");
@@ -80,10 +78,8 @@ void Declare(const OptionList& add, ViewArguments& arguments)
     "their scene)");
   expert.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels",
     Between(400, 8192));
-  expert("--pictures", arguments.Viewer.PictureFolder, "folder where the key s saves pictures");
   expert("--benchmark", arguments.BenchmarkFrames, Between(1, 100000),
     "move source, then paddle, for so many frames, print the rates, and stop");
-  AddProjectorOptions(expert, arguments.Viewer.Projector);
 }
 
 /// Bad input is told before the display is looked for.
@@ -98,16 +94,13 @@ void CheckInputs(const ViewArguments& arguments)
   {
     CheckInputFile(path);
   }
-  CheckPictureFile(arguments.Screenshot, arguments.Overwrite);
-  if (!std::filesystem::is_directory(arguments.Viewer.PictureFolder))
-  {
-    throw InputError("--pictures " + arguments.Viewer.PictureFolder + ": there is no such folder");
-  }
+  CheckPictureFile(arguments.Screenshot);
 }
 
 ViewerOptions ToViewerOptions(const ViewArguments& arguments)
 {
   ViewerOptions options = arguments.Viewer;
+  options.Projector = Program().Projector;
   options.OffScreen = !arguments.Screenshot.empty() || arguments.BenchmarkFrames;
   options.Stop = InterruptRequested;
   if (!options.OffScreen)
@@ -178,12 +171,11 @@ void RunBreast(const ViewArguments& arguments)
 void CheckSurfaceOptions(const Command& command)
 {
   const std::vector<std::string> known{ "surface", "scene", "materials", "spectrum", "kev", "kvp",
-    "source", "pixel", "size", "pictures", "screenshot", "overwrite", "benchmark", "device",
-    "projector", "config" };
+    "source", "pixel", "size", "screenshot", "benchmark" };
   for (const Declaration& declaration : command.Declarations)
   {
     const std::string name = declaration.Name();
-    if (declaration.Option->count() > 0 &&
+    if (declaration.Option->count() > 0 && !declaration.IsOfProgram() &&
       std::find(known.begin(), known.end(), name) == known.end())
     {
       throw InputError("--" + name + ": expected a breast to look at, found surfaces");
@@ -228,6 +220,7 @@ void RunSurfaces(const ViewArguments& arguments)
 
 void Run(ViewArguments& arguments)
 {
+  Program().ApplyTo(arguments.Input.Labels);
   CheckInputs(arguments);
   arguments.Surfaces.IsAsked() ? RunSurfaces(arguments) : RunBreast(arguments);
 }

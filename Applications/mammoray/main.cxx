@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "Help.h"
-#include "Manual.h"
 #include "OptionNames.h"
 #include "ProgressBar.h"
+#include "Schema.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
@@ -103,7 +103,15 @@ int Run(int argc, char* argv[])
 #ifdef MAMMORAY_HAS_APP
   mammoray::AddViewCommand(application);
 #endif
-  mammoray::AddManualOptions(application);
+  const auto printSchema = [&application]
+  {
+    std::fputs(mammoray::CaseFileSchema(application).c_str(), stdout);
+    throw CLI::Success();
+  };
+  application
+    .add_flag_callback("--print-schema", printSchema,
+      "print all options as the JSON schema of case files, and stop")
+    ->trigger_on_parse();
   mammoray::SetUpHelp(application);
   mammoray::InterruptRequested();
 
@@ -117,7 +125,7 @@ int Run(int argc, char* argv[])
     mammoray::CheckWords(application, { argv + 1, argv + argc });
     application.parse(argc, argv);
   }
-  catch (const CLI::Success& success) // --help, --version, --print-config
+  catch (const CLI::Success& success) // --help, --version, --print-...
   {
     return application.exit(success);
   }

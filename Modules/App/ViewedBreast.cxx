@@ -8,9 +8,9 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Registration/RegistrationProblem.h"
-#include "mammoray/Registration/Silhouette.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 #include "mammoray/Study/ResultFile.h"
 

@@ -2,12 +2,11 @@
 #ifndef mammoray_ViewedBreast_h
 #define mammoray_ViewedBreast_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/BreastInUnit.h"

@@ -6,10 +6,9 @@
 #include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Biomechanics/SimulationCells.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Foundation/Vector3.h"
-#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>

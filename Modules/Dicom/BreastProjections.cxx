@@ -8,15 +8,12 @@
 #include "mammoray/IO/ProjectionImage.h"
 
 #include <algorithm>
-#include <ctime>
 #include <tuple>
 
 namespace mammoray
 {
 namespace
 {
-using DataSet = DcmItem;
-
 constexpr const char* ForPresentationClass = "1.2.840.10008.5.1.4.1.1.13.1.4";
 constexpr const char* ForProcessingClass = "1.2.840.10008.5.1.4.1.1.13.1.5";
 /// 16 bits, as many as a stack of a real unit has at most, and within what a file can hold.
@@ -51,159 +48,111 @@ void CheckProjections(const std::vector<Mammogram>& projections)
   }
 }
 
-DataSet GroupItem(const std::vector<DicomTextElement>& texts)
+/// The detector's field, all of which was in the beam.
+void AddField(DcmItem& groups, const Mammogram& mammogram)
 {
-  DataSet item;
-  AddTexts(item, texts);
-  return item;
-}
-
-/// Date and time in one.
-std::string Now()
-{
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[24];
-  std::strftime(text, sizeof text, "%Y%m%d%H%M%S", &local);
-  return text;
-}
-
-/// What was in the beam: all of the detector.
-void AddField(DataSet& groups, const Mammogram& mammogram)
-{
-  DataSet field =
-    GroupItem({ { { 0x0018, 0x1147 }, EVR_CS, "RECTANGLE" }, { { 0x0018, 0x7030 }, EVR_DS, "0\\0" },
-      { { 0x0018, 0x7032 }, EVR_DS, "0" }, { { 0x0018, 0x7034 }, EVR_CS, "NO" } });
-  AddFloats(field, { 0x0018, 0x9461 },
-    { static_cast<float>(mammogram.Rows * mammogram.RowSpacingMm),
-      static_cast<float>(mammogram.Columns * mammogram.ColumnSpacingMm) });
-  AddSequence(groups, { 0x0018, 0x9432 }, { field });
-  AddSequence(groups, { 0x0018, 0x9407 },
-    { GroupItem(
-      { { { 0x0018, 0x1700 }, EVR_CS, "RECTANGULAR" }, { { 0x0018, 0x1702 }, EVR_IS, "0" },
-        { { 0x0018, 0x1704 }, EVR_IS, std::to_string(mammogram.Columns + 1) },
-        { { 0x0018, 0x1706 }, EVR_IS, "0" },
-        { { 0x0018, 0x1708 }, EVR_IS, std::to_string(mammogram.Rows + 1) } }) });
+  Add(groups,
+    { { DCM_FieldOfViewSequence,
+        Item({ { DCM_FieldOfViewShape, "RECTANGLE" }, { DCM_FieldOfViewOrigin, { 0, 0 } },
+          { DCM_FieldOfViewRotation, 0 }, { DCM_FieldOfViewHorizontalFlip, "NO" },
+          { DCM_FieldOfViewDimensionsInFloat,
+            { mammogram.Rows * mammogram.RowSpacingMm,
+              mammogram.Columns * mammogram.ColumnSpacingMm } } }) },
+      { DCM_CollimatorShapeSequence,
+        Item({ { DCM_CollimatorShape, "RECTANGULAR" }, { DCM_CollimatorLeftVerticalEdge, 0 },
+          { DCM_CollimatorRightVerticalEdge, mammogram.Columns + 1 },
+          { DCM_CollimatorUpperHorizontalEdge, 0 },
+          { DCM_CollimatorLowerHorizontalEdge, mammogram.Rows + 1 } }) } });
 }
 
 /// The groups that all frames share.
-DataSet SharedGroups(const std::vector<Mammogram>& projections)
+DcmItem SharedGroups(const std::vector<Mammogram>& projections)
 {
   const Mammogram& first = projections.front();
-  DataSet groups;
-  DataSet anatomy = GroupItem({ { { 0x0020, 0x9072 }, EVR_CS, std::string(1, first.Laterality) } });
-  AddSequence(anatomy, { 0x0008, 0x2218 }, { DicomCode("76752008", "Breast") });
-  AddSequence(groups, { 0x0020, 0x9071 }, { anatomy });
-  AddSequence(groups, { 0x0020, 0x9450 },
-    { GroupItem(
-      { { { 0x0020, 0x0020 }, EVR_CS, first.RowDirection + "\\" + first.ColumnDirection } }) });
-  DataSet properties = GroupItem({ { { 0x0008, 0x9007 }, EVR_CS, "DERIVED\\PRIMARY\\\\NONE" },
-    { { 0x0018, 0x1164 }, EVR_DS,
-      DecimalString(first.RowSpacingMm) + "\\" + DecimalString(first.ColumnSpacingMm) },
-    { { 0x0028, 0x1040 }, EVR_CS, PixelRelationship(first) },
-    { { 0x0028, 0x9444 }, EVR_CS, "UNIFORM" }, { { 0x0028, 0x9446 }, EVR_CS, "NONE" } });
-  const std::int16_t sign = PixelRelationshipSign(first);
-  AddBytes(properties, { 0x0028, 0x1041 }, EVR_SS, &sign, sizeof sign);
-  AddSequence(groups, { 0x0028, 0x9443 }, { properties });
-  AddSequence(groups, { 0x0028, 0x9145 },
-    { GroupItem({ { { 0x0028, 0x1052 }, EVR_DS, "0" }, { { 0x0028, 0x1053 }, EVR_DS, "1" },
-      { { 0x0028, 0x1054 }, EVR_LO, "US" } }) });
-  AddField(groups, first);
-  AddSequence(groups, { 0x0008, 0x9124 }, {}); // derived from no image
-  // No photon was spent on what is computed.
-  DataSet dose =
-    GroupItem({ { { 0x0040, 0x0316 }, EVR_DS, "0" }, { { 0x0040, 0x8302 }, EVR_DS, "0" } });
-  AddDoubles(dose, { 0x0018, 0x9328 }, { 0 }); // exposure time, ms
-  AddDoubles(dose, { 0x0018, 0x9332 }, { 0 }); // exposure, mAs
-  AddSequence(groups, { 0x0018, 0x9542 }, { dose });
   float white = 1;
   for (const Mammogram& projection : projections)
   {
     white = std::max(white, FindWhite(projection.Pixels.data(), projection.Pixels.size()));
   }
-  AddSequence(groups, { 0x0028, 0x9132 },
-    { GroupItem({ { { 0x0028, 0x1050 }, EVR_DS, DecimalString(0.5 * white) },
-      { { 0x0028, 0x1051 }, EVR_DS, DecimalString(white) } }) });
+  DcmItem groups = Item({ { DCM_FrameAnatomySequence,
+                            Item({ { DCM_FrameLaterality, std::string(1, first.Laterality) },
+                              { DCM_AnatomicRegionSequence, DicomCode("76752008", "Breast") } }) },
+    { DCM_PatientOrientationInFrameSequence,
+      Item({ { DCM_PatientOrientation, first.RowDirection + "\\" + first.ColumnDirection } }) },
+    { DCM_FramePixelDataPropertiesSequence,
+      Item({ { DCM_FrameType, "DERIVED\\PRIMARY\\\\NONE" },
+        { DCM_ImagerPixelSpacing, { first.RowSpacingMm, first.ColumnSpacingMm } },
+        { DCM_PixelIntensityRelationship, PixelRelationship(first) },
+        { DCM_PixelIntensityRelationshipSign, PixelRelationshipSign(first) },
+        { DCM_GeometricalProperties, "UNIFORM" }, { DCM_ImageProcessingApplied, "NONE" } }) },
+    { DCM_PixelValueTransformationSequence,
+      Item({ { DCM_RescaleIntercept, 0 }, { DCM_RescaleSlope, 1 }, { DCM_RescaleType, "US" } }) },
+    { DCM_DerivationImageSequence, NoItems },
+    // No photon was spent on what is computed.
+    { DCM_XRayAcquisitionDoseSequence,
+      Item({ { DCM_OrganDose, 0 }, { DCM_EntranceDoseInmGy, 0 }, { DCM_ExposureTimeInms, 0 },
+        { DCM_ExposureInmAs, 0 } }) },
+    { DCM_FrameVOILUTSequence,
+      Item({ { DCM_WindowCenter, 0.5 * white }, { DCM_WindowWidth, white } }) } });
+  AddField(groups, first);
   return groups;
 }
 
-/// Distances of one frame.
-DataSet ProjectionGeometry(const Mammogram& projection, const SourcePlace& place)
-{
-  const double height = projection.SourceToDetectorMm.value();
-  const double toPatient = projection.SourceToPatientMm.value_or(height);
-  DataSet geometry = GroupItem({ { { 0x0018, 0x1110 }, EVR_DS, DecimalString(height) },
-    { { 0x0018, 0x1111 }, EVR_DS, DecimalString(toPatient) },
-    { { 0x0018, 0x1114 }, EVR_DS, DecimalString(height / toPatient) } });
-  AddFloats(geometry, { 0x0018, 0x9402 }, { static_cast<float>(place.SourceToIsocenterMm) });
-  return geometry;
-}
-
-DataSet FrameGroups(const Mammogram& projection, double axisHeightMm)
+DcmItem FrameGroups(const Mammogram& projection, double axisHeightMm)
 {
   const SourcePlace place = PlaceSource(projection, axisHeightMm);
-  DataSet groups;
-  AddSequence(groups, { 0x0020, 0x9111 }, { DataSet{} }); // frame content, of which all is optional
-  AddSequence(groups, { 0x0018, 0x9477 },
-    { GroupItem({ { { 0x0008, 0x3010 }, EVR_UI, NewUid() } }) }); // irradiation event
-  AddSequence(groups, { 0x0018, 0x9476 }, { ProjectionGeometry(projection, place) });
-  AddSequence(groups, { 0x0018, 0x9405 },
-    { GroupItem({ { { 0x0018, 0x1510 }, EVR_DS, DecimalString(-place.SourcePrimaryDeg) },
-      { { 0x0018, 0x1511 }, EVR_DS, DecimalString(place.SourceSecondaryDeg) },
-      { { 0x0018, 0x9559 }, EVR_CS, "CC" } }) });
-  DataSet isocenter;
-  const auto add = [&](std::uint16_t element, double value) {
-    AddDoubles(isocenter, { 0x0018, element }, { value });
-  };
-  add(0x9543, place.SourcePrimaryDeg);
-  add(0x9544, place.SourceSecondaryDeg);
-  add(0x9545, place.DetectorPrimaryDeg); // of the breast support, which is on the detector
-  add(0x9546, 0);
-  add(0x9547, place.Detector[0]);
-  add(0x9548, place.Detector[1]);
-  add(0x9549, place.Detector[2]);
-  add(0x9550, place.DetectorPrimaryDeg);
-  add(0x9551, 0);
-  add(0x9552, place.Detector[0]);
-  add(0x9553, place.Detector[1]);
-  add(0x9554, place.Detector[2]);
-  AddDoubles(isocenter, { 0x0018, 0x9557 },
-    { place.FirstPixel[0], place.FirstPixel[1], place.FirstPixel[2] });
-  AddDoubles(isocenter, { 0x0018, 0x9558 },
-    { place.Row[0], place.Row[1], place.Row[2], place.Column[0], place.Column[1],
-      place.Column[2] });
-  AddSequence(groups, { 0x0018, 0x9462 }, { isocenter });
-  return groups;
+  const double height = projection.SourceToDetectorMm.value();
+  const double toPatient = projection.SourceToPatientMm.value_or(height);
+  return Item({ { DCM_FrameContentSequence, DcmItem() }, // all of it is optional
+    { DCM_IrradiationEventIdentificationSequence, Item({ { DCM_IrradiationEventUID, NewUid() } }) },
+    { DCM_XRayGeometrySequence,
+      Item({ { DCM_DistanceSourceToDetector, height }, { DCM_DistanceSourceToPatient, toPatient },
+        { DCM_EstimatedRadiographicMagnificationFactor, height / toPatient },
+        { DCM_DistanceSourceToIsocenter, place.SourceToIsocenterMm } }) },
+    { DCM_PositionerPositionSequence,
+      Item({ { DCM_PositionerPrimaryAngle, -place.SourcePrimaryDeg },
+        { DCM_PositionerSecondaryAngle, place.SourceSecondaryDeg },
+        { DCM_PositionerPrimaryAngleDirection, "CC" } }) },
+    { DCM_IsocenterReferenceSystemSequence,
+      Item({ { DCM_XRaySourceIsocenterPrimaryAngle, place.SourcePrimaryDeg },
+        { DCM_XRaySourceIsocenterSecondaryAngle, place.SourceSecondaryDeg },
+        // The breast support is on the detector.
+        { DCM_BreastSupportIsocenterPrimaryAngle, place.DetectorPrimaryDeg },
+        { DCM_BreastSupportIsocenterSecondaryAngle, 0 },
+        { DCM_BreastSupportXPositionToIsocenter, place.Detector[0] },
+        { DCM_BreastSupportYPositionToIsocenter, place.Detector[1] },
+        { DCM_BreastSupportZPositionToIsocenter, place.Detector[2] },
+        { DCM_DetectorIsocenterPrimaryAngle, place.DetectorPrimaryDeg },
+        { DCM_DetectorIsocenterSecondaryAngle, 0 },
+        { DCM_DetectorXPositionToIsocenter, place.Detector[0] },
+        { DCM_DetectorYPositionToIsocenter, place.Detector[1] },
+        { DCM_DetectorZPositionToIsocenter, place.Detector[2] },
+        { DCM_DetectorActiveAreaTLHCPosition, place.FirstPixel },
+        { DCM_DetectorActiveAreaOrientation,
+          { place.Row[0], place.Row[1], place.Row[2], place.Column[0], place.Column[1],
+            place.Column[2] } } }) } });
 }
 
-void AddAcquisition(DataSet& data, const Mammogram& mammogram)
+void AddAcquisition(DcmItem& data, const Mammogram& mammogram)
 {
-  AddTexts(data,
-    { { { 0x0008, 0x002a }, EVR_DT, Now() }, { { 0x0018, 0x1500 }, EVR_CS, "DYNAMIC" },
-      { { 0x0018, 0x1508 }, EVR_CS, "MAMMOGRAPHIC" }, { { 0x0018, 0x9004 }, EVR_CS, "RESEARCH" },
-      { { 0x0018, 0x7004 }, EVR_CS, "DIRECT" },
-      { { 0x0018, 0x0060 }, EVR_DS, DecimalString(mammogram.PeakKilovoltage.value_or(0)) },
-      { { 0x0018, 0x1190 }, EVR_DS, "0" },
-      { { 0x0018, 0x1191 }, EVR_CS,
+  Add(data,
+    { { DCM_AcquisitionDateTime, TimeNow("%Y%m%d%H%M%S") }, { DCM_PositionerMotion, "DYNAMIC" },
+      { DCM_PositionerType, "MAMMOGRAPHIC" }, { DCM_ContentQualification, "RESEARCH" },
+      { DCM_DetectorType, "DIRECT" }, { DCM_KVP, mammogram.PeakKilovoltage.value_or(0) },
+      { DCM_FocalSpots, 0 },
+      { DCM_AnodeTargetMaterial,
         mammogram.AnodeMaterial.empty() ? "OTHER" : mammogram.AnodeMaterial },
-      { { 0x0018, 0x11a2 }, EVR_DS, "0" }, { { 0x0018, 0x11a4 }, EVR_LO, "computed" },
-      { { 0x0018, 0x7060 }, EVR_CS, "MANUAL" }, { { 0x0018, 0x7062 }, EVR_LT, "computed" },
-      { { 0x0020, 0x0052 }, EVR_UI, NewUid() }, { { 0x0020, 0x1040 }, EVR_LO, "" },
-      { { 0x0028, 0x1300 }, EVR_CS, "NO" }, { { 0x0040, 0x0316 }, EVR_DS, "0" },
-      { { 0x0040, 0x8302 }, EVR_DS, "0" }, { { 0x0054, 0x0202 }, EVR_CS, "STATIONARY" } });
-  AddDoubles(data, { 0x0018, 0x9073 }, { 0 }); // acquisition duration, s
-  AddDoubles(data, { 0x0018, 0x9332 }, { 0 }); // exposure, mAs
-  // Standing (C.8.4.6), as patients do before such units.
-  DataSet erect = DicomCode("10904000", "erect");
-  AddSequence(data, { 0x0054, 0x0410 }, { erect });
-  if (mammogram.BodyPartThicknessMm)
-  {
-    AddTexts(data,
-      { { { 0x0018, 0x11a0 }, EVR_DS, DecimalString(*mammogram.BodyPartThicknessMm) } });
-  }
-  AddSequence(data, { 0x0054, 0x0220 }, { MammogramViewItem(mammogram.View) });
-  AddSequence(data, { 0x0040, 0x0555 }, {}); // acquisition context
+      { DCM_CompressionForce, 0 }, { DCM_PaddleDescription, "computed" },
+      { DCM_ExposureControlMode, "MANUAL" }, { DCM_ExposureControlModeDescription, "computed" },
+      { DCM_FrameOfReferenceUID, NewUid() }, { DCM_PositionReferenceIndicator, "" },
+      { DCM_BreastImplantPresent, "NO" }, { DCM_OrganDose, 0 }, { DCM_EntranceDoseInmGy, 0 },
+      { DCM_TypeOfDetectorMotion, "STATIONARY" }, { DCM_AcquisitionDuration, 0 },
+      { DCM_ExposureInmAs, 0 },
+      // Standing (C.8.4.6), as patients do before such units.
+      { DCM_PatientOrientationCodeSequence, DicomCode("10904000", "erect") },
+      { DCM_BodyPartThickness, mammogram.BodyPartThicknessMm },
+      { DCM_ViewCodeSequence, MammogramViewItem(mammogram.View) },
+      { DCM_AcquisitionContextSequence, NoItems } });
 }
 }
 
@@ -213,20 +162,12 @@ void WriteProjections(const std::vector<Mammogram>& projections,
   CheckProjections(projections);
   const Mammogram& first = projections.front();
   const bool processing = first.PresentationIntent == Mammogram::Intent::ForProcessing;
-  DataSet data;
+  DcmItem data;
   AddCommon(data, processing ? ForProcessingClass : ForPresentationClass, "MG",
     options.SeriesDescription, options.Identity);
-  AddTexts(data,
-    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY\\\\NONE" },
-      { { 0x0008, 0x0068 }, EVR_CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
-      { { 0x0008, 0x2111 }, EVR_ST, options.Derivation },
-      { { 0x0028, 0x0008 }, EVR_IS, std::to_string(projections.size()) },
-      { { 0x0028, 0x0301 }, EVR_CS, "NO" }, { { 0x0028, 0x2110 }, EVR_CS, "00" },
-      { { 0x2050, 0x0020 }, EVR_CS, first.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
   AddAcquisition(data, first);
-  AddPixelDescription(data, first);
-  AddSequence(data, { 0x5200, 0x9229 }, { SharedGroups(projections) });
-  std::vector<DataSet> frames;
+  AddMammogramPixels(data, first);
+  std::vector<DcmItem> frames;
   std::vector<std::uint16_t> stored;
   stored.reserve(projections.size() * first.Pixels.size());
   for (const Mammogram& projection : projections)
@@ -234,8 +175,12 @@ void WriteProjections(const std::vector<Mammogram>& projections,
     frames.push_back(FrameGroups(projection, axisHeightMm));
     stored.insert(stored.end(), projection.Pixels.begin(), projection.Pixels.end());
   }
-  AddSequence(data, { 0x5200, 0x9230 }, frames);
-  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * stored.size());
+  AddBulk(data, DCM_PixelData, stored);
+  Add(data,
+    { { DCM_ImageType, "DERIVED\\PRIMARY\\\\NONE" },
+      { DCM_DerivationDescription, options.Derivation }, { DCM_NumberOfFrames, projections.size() },
+      { DCM_SharedFunctionalGroupsSequence, SharedGroups(projections) },
+      { DCM_PerFrameFunctionalGroupsSequence, frames } });
   WriteDicom(data, path);
 }
 }

@@ -4,7 +4,7 @@
 
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Vector3.h"
-#include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayDicomModule.h"
 
 #include <cstddef>

@@ -29,60 +29,42 @@ const MammogramView& FindView(const std::string& name)
 
 void AddImage(DcmItem& data, const Mammogram& mammogram)
 {
-  const bool processing = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
-  AddTexts(data,
-    { { { 0x0008, 0x0068 }, EVR_CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
-      { { 0x0028, 0x0301 }, EVR_CS, "NO" }, // burned in annotation
-      { { 0x0028, 0x1040 }, EVR_CS, PixelRelationship(mammogram) },
-      { { 0x0028, 0x1052 }, EVR_DS, "0" }, { { 0x0028, 0x1053 }, EVR_DS, "1" },
-      { { 0x0028, 0x1054 }, EVR_LO, "US" }, { { 0x0028, 0x2110 }, EVR_CS, "00" }, // not lossy
-      { { 0x2050, 0x0020 }, EVR_CS, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
-  AddPixelDescription(data, mammogram);
-  const std::int16_t sign = PixelRelationshipSign(mammogram);
-  AddBytes(data, { 0x0028, 0x1041 }, EVR_SS, &sign, sizeof sign);
-  if (!processing)
+  AddMammogramPixels(data, mammogram);
+  Add(data,
+    { { DCM_PixelIntensityRelationship, PixelRelationship(mammogram) },
+      { DCM_PixelIntensityRelationshipSign, PixelRelationshipSign(mammogram) },
+      { DCM_RescaleIntercept, 0 }, { DCM_RescaleSlope, 1 }, { DCM_RescaleType, "US" } });
+  if (mammogram.PresentationIntent == Mammogram::Intent::ForPresentation)
   {
     const float white = FindWhite(mammogram.Pixels.data(), mammogram.Pixels.size());
-    AddTexts(data,
-      { { { 0x0028, 0x1050 }, EVR_DS, DecimalString(0.5 * white) },
-        { { 0x0028, 0x1051 }, EVR_DS, DecimalString(std::max(white, 1.0f)) } });
+    Add(data, { { DCM_WindowCenter, 0.5 * white }, { DCM_WindowWidth, std::max(white, 1.0f) } });
   }
-  const std::vector<std::uint16_t> stored(mammogram.Pixels.begin(), mammogram.Pixels.end());
-  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * stored.size());
+  AddBulk(data, DCM_PixelData,
+    std::vector<std::uint16_t>(mammogram.Pixels.begin(), mammogram.Pixels.end()));
 }
 
 void AddGeometry(DcmItem& data, const Mammogram& mammogram)
 {
-  const auto optional = [&](DcmTagKey tag, const std::optional<double>& value)
-  {
-    if (value)
-    {
-      AddTexts(data, { { tag, EVR_DS, DecimalString(*value) } });
-    }
-  };
-  optional({ 0x0018, 0x0060 }, mammogram.PeakKilovoltage);
-  optional({ 0x0018, 0x1110 }, mammogram.SourceToDetectorMm);
-  optional({ 0x0018, 0x1111 }, mammogram.SourceToPatientMm);
-  optional({ 0x0018, 0x11a0 }, mammogram.BodyPartThicknessMm);
-  optional({ 0x0018, 0x1510 }, mammogram.PositionerPrimaryAngleDeg);
+  Add(data,
+    { { DCM_KVP, mammogram.PeakKilovoltage },
+      { DCM_DistanceSourceToDetector, mammogram.SourceToDetectorMm },
+      { DCM_DistanceSourceToPatient, mammogram.SourceToPatientMm },
+      { DCM_BodyPartThickness, mammogram.BodyPartThicknessMm },
+      { DCM_PositionerPrimaryAngle, mammogram.PositionerPrimaryAngleDeg },
+      { DCM_BodyPartExamined, "BREAST" }, { DCM_PositionerType, "MAMMOGRAPHIC" },
+      { DCM_ImagerPixelSpacing, { mammogram.RowSpacingMm, mammogram.ColumnSpacingMm } },
+      { DCM_AnodeTargetMaterial, mammogram.AnodeMaterial }, { DCM_ViewPosition, mammogram.View },
+      { DCM_DetectorType, "" }, { DCM_FilterMaterial, mammogram.FilterMaterial },
+      { DCM_PatientOrientation, mammogram.RowDirection + "\\" + mammogram.ColumnDirection },
+      { DCM_ImageLaterality, std::string(1, mammogram.Laterality) }, { DCM_OrganExposed, "BREAST" },
+      { DCM_AnatomicRegionSequence, DicomCode("76752008", "Breast") },
+      { DCM_ViewCodeSequence, MammogramViewItem(mammogram.View) },
+      { DCM_AcquisitionContextSequence, NoItems } });
   if (mammogram.PositionerPrimaryAngleDeg)
   {
     // Counter-clockwise: positive towards the patient's left, as BreastPose::RollDeg.
-    AddTexts(data, { { { 0x0018, 0x9559 }, EVR_CS, "CC" } });
+    Add(data, { { DCM_PositionerPrimaryAngleDirection, "CC" } });
   }
-  AddTexts(data,
-    { { { 0x0018, 0x0015 }, EVR_CS, "BREAST" }, { { 0x0018, 0x1508 }, EVR_CS, "MAMMOGRAPHIC" },
-      { { 0x0018, 0x1164 }, EVR_DS,
-        DecimalString(mammogram.RowSpacingMm) + "\\" + DecimalString(mammogram.ColumnSpacingMm) },
-      { { 0x0018, 0x1191 }, EVR_CS, mammogram.AnodeMaterial },
-      { { 0x0018, 0x5101 }, EVR_CS, mammogram.View }, { { 0x0018, 0x7004 }, EVR_CS, "" },
-      { { 0x0018, 0x7050 }, EVR_CS, mammogram.FilterMaterial },
-      { { 0x0020, 0x0020 }, EVR_CS, mammogram.RowDirection + "\\" + mammogram.ColumnDirection },
-      { { 0x0020, 0x0062 }, EVR_CS, std::string(1, mammogram.Laterality) },
-      { { 0x0040, 0x0318 }, EVR_CS, "BREAST" } });
-  AddSequence(data, { 0x0008, 0x2218 }, { DicomCode("76752008", "Breast") });
-  AddSequence(data, { 0x0054, 0x0220 }, { MammogramViewItem(mammogram.View) });
-  AddSequence(data, { 0x0040, 0x0555 }, {}); // acquisition context
 }
 }
 
@@ -124,7 +106,7 @@ DcmItem MammogramViewItem(const std::string& name)
 {
   const MammogramView& view = FindView(name);
   DcmItem code = DicomCode(view.SnomedCt, view.Meaning);
-  AddSequence(code, { 0x0054, 0x0222 }, {}); // no modifier
+  Add(code, { { DCM_ViewModifierCodeSequence, NoItems } });
   return code;
 }
 
@@ -134,26 +116,23 @@ const char* PixelRelationship(const Mammogram& mammogram)
   return mammogram.IntensityRelationship == Mammogram::Relationship::Linear ? "LIN" : "LOG";
 }
 
-std::int16_t PixelRelationshipSign(const Mammogram& mammogram)
+int PixelRelationshipSign(const Mammogram& mammogram)
 {
   // Where nothing is said of it, what is shown bright is where little got through.
   const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
-  return static_cast<std::int16_t>(
-    mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay);
+  return mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay;
 }
 
-void AddPixelDescription(DcmItem& data, const Mammogram& mammogram)
+void AddMammogramPixels(DcmItem& data, const Mammogram& mammogram)
 {
-  AddTexts(data,
-    { { { 0x0028, 0x0004 }, EVR_CS,
-      mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2" } });
-  AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
-  AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(mammogram.Rows));
-  AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(mammogram.Columns));
-  AddShort(data, { 0x0028, 0x0100 }, 16);
-  AddShort(data, { 0x0028, 0x0101 }, 16);
-  AddShort(data, { 0x0028, 0x0102 }, 15);
-  AddShort(data, { 0x0028, 0x0103 }, 0); // unsigned
+  AddPixelDescription(data, mammogram.Columns, mammogram.Rows, 16,
+    mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2");
+  Add(data,
+    { { DCM_PresentationIntentType,
+        mammogram.PresentationIntent == Mammogram::Intent::ForProcessing ? "FOR PROCESSING"
+                                                                         : "FOR PRESENTATION" },
+      { DCM_BurnedInAnnotation, "NO" }, { DCM_LossyImageCompression, "00" },
+      { DCM_PresentationLUTShape, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
 }
 
 void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& options,
@@ -163,16 +142,15 @@ void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& opt
   DcmItem data;
   AddCommon(data,
     mammogram.PresentationIntent == Mammogram::Intent::ForProcessing
-      ? "1.2.840.10008.5.1.4.1.1.1.2.1"
-      : "1.2.840.10008.5.1.4.1.1.1.2",
+      ? UID_DigitalMammographyXRayImageStorageForProcessing
+      : UID_DigitalMammographyXRayImageStorageForPresentation,
     "MG", options.SeriesDescription, options.Identity);
   // No third value: that one tells how a detector's image was made.
-  AddTexts(data,
-    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY\\" },
-      { { 0x0008, 0x2111 }, EVR_ST, options.Derivation } });
+  Add(data,
+    { { DCM_ImageType, "DERIVED\\PRIMARY\\" }, { DCM_DerivationDescription, options.Derivation } });
   if (options.Imitated)
   {
-    AddSequence(data, { 0x0008, 0x2112 }, { ImageReference(*options.Imitated) });
+    Add(data, { { DCM_SourceImageSequence, ImageReference(*options.Imitated) } });
   }
   AddGeometry(data, mammogram);
   AddImage(data, mammogram);

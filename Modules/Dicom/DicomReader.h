@@ -2,10 +2,9 @@
 #ifndef mammoray_DicomReader_h
 #define mammoray_DicomReader_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayDicomModule.h"
 

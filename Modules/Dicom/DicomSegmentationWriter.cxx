@@ -5,8 +5,6 @@
 #include "Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
 
-#include <array>
-
 namespace mammoray
 {
 namespace
@@ -34,108 +32,83 @@ void Check(const std::vector<DicomSegment>& segments, const DicomReference& imag
 }
 
 /// PS3.3 table C.8.20-4.
-DcmItem Description(const DicomSegment& segment, std::uint16_t number)
+DcmItem Description(const DicomSegment& segment, std::size_t number)
 {
-  DcmItem item;
-  AddSequence(item, { 0x0062, 0x0003 },
-    { DicomCode("49755003", "Morphologically Abnormal Structure") });
-  AddShort(item, { 0x0062, 0x0004 }, number);
-  AddTexts(item,
-    { { { 0x0062, 0x0005 }, EVR_LO, segment.Label },
-      // Someone drew it in the volume; software carried it over.
-      { { 0x0062, 0x0008 }, EVR_CS, "SEMIAUTOMATIC" },
-      { { 0x0062, 0x0009 }, EVR_LO, "MammoRay registration" } });
   // CIELab of sRGB 255 0 0 and 255 255 0.
-  using Colour = std::array<std::uint16_t, 3>;
-  const Colour colour =
-    segment.Uncertainty ? Colour{ 0xf8c6, 0x6a44, 0xdf1e } : Colour{ 0x8a3d, 0xd0a4, 0xc2ae };
-  AddBytes(item, { 0x0062, 0x000d }, EVR_US, colour.data(), sizeof colour);
-  AddSequence(item, { 0x0062, 0x000f },
-    { segment.Uncertainty ? DicomCode("uncertainty", "Where the lesion may be", OwnCodes)
-                          : DicomCode("52988006", "Lesion") });
-  return item;
+  const std::vector<double> red{ 0x8a3d, 0xd0a4, 0xc2ae };
+  const std::vector<double> yellow{ 0xf8c6, 0x6a44, 0xdf1e };
+  return Item({ { DCM_SegmentedPropertyCategoryCodeSequence,
+                  DicomCode("49755003", "Morphologically Abnormal Structure") },
+    { DCM_SegmentNumber, number }, { DCM_SegmentLabel, segment.Label },
+    // Someone drew it in the volume; software carried it over.
+    { DCM_SegmentAlgorithmType, "SEMIAUTOMATIC" },
+    { DCM_SegmentAlgorithmName, "MammoRay registration" },
+    { DCM_RecommendedDisplayCIELabValue, segment.Uncertainty ? yellow : red },
+    { DCM_SegmentedPropertyTypeCodeSequence,
+      segment.Uncertainty ? DicomCode("uncertainty", "Where the lesion may be", OwnCodes)
+                          : DicomCode("52988006", "Lesion") } });
 }
 
 /// Functional groups of one frame: which segment it is, and of which image.
-DcmItem FrameGroups(const DicomReference& image, std::uint16_t number)
+DcmItem FrameGroups(const DicomReference& image, std::size_t number)
 {
   DcmItem source = ImageReference(image);
-  AddTexts(source, { { { 0x0028, 0x135a }, EVR_CS, "YES" } }); // locations preserved
-  AddSequence(source, { 0x0040, 0xa170 },
-    { DicomCode("121322", "Source image for image processing operation", "DCM") });
-  DcmItem derivation;
-  AddSequence(derivation, { 0x0008, 0x2112 }, { source });
-  AddSequence(derivation, { 0x0008, 0x9215 }, { DicomCode("113076", "Segmentation", "DCM") });
-  DcmItem content;
-  const std::uint32_t index = number;
-  AddBytes(content, { 0x0020, 0x9157 }, EVR_UL, &index, sizeof index);
-  DcmItem segment;
-  AddShort(segment, { 0x0062, 0x000b }, number);
-  DcmItem groups;
-  AddSequence(groups, { 0x0008, 0x9124 }, { derivation });
-  AddSequence(groups, { 0x0020, 0x9111 }, { content });
-  AddSequence(groups, { 0x0062, 0x000a }, { segment });
-  return groups;
+  Add(source,
+    { { DCM_SpatialLocationsPreserved, "YES" },
+      { DCM_PurposeOfReferenceCodeSequence,
+        DicomCode("121322", "Source image for image processing operation", "DCM") } });
+  return Item({ { DCM_DerivationImageSequence,
+                  Item({ { DCM_SourceImageSequence, source },
+                    { DCM_DerivationCodeSequence, DicomCode("113076", "Segmentation", "DCM") } }) },
+    { DCM_FrameContentSequence, Item({ { DCM_DimensionIndexValues, number } }) },
+    { DCM_SegmentIdentificationSequence, Item({ { DCM_ReferencedSegmentNumber, number } }) } });
 }
 
 /// Frames are ordered by the number of their segment.
 void AddDimensions(DcmItem& data)
 {
   const std::string uid = NewUid();
-  DcmItem organization;
-  AddTexts(organization, { { { 0x0020, 0x9164 }, EVR_UI, uid } });
-  AddSequence(data, { 0x0020, 0x9221 }, { organization });
-  DcmItem index;
-  const std::array<std::uint16_t, 2> number{ 0x0062, 0x000b };
-  const std::array<std::uint16_t, 2> group{ 0x0062, 0x000a };
-  AddTexts(index, { { { 0x0020, 0x9164 }, EVR_UI, uid } });
-  AddBytes(index, { 0x0020, 0x9165 }, EVR_AT, number.data(), sizeof number);
-  AddBytes(index, { 0x0020, 0x9167 }, EVR_AT, group.data(), sizeof group);
-  AddTexts(index, { { { 0x0020, 0x9421 }, EVR_LO, "Segment number" } });
-  AddSequence(data, { 0x0020, 0x9222 }, { index });
+  DcmItem index = Item(
+    { { DCM_DimensionOrganizationUID, uid }, { DCM_DimensionDescriptionLabel, "Segment number" } });
+  index.putAndInsertTagKey(DCM_DimensionIndexPointer, DCM_ReferencedSegmentNumber);
+  index.putAndInsertTagKey(DCM_FunctionalGroupPointer, DCM_SegmentIdentificationSequence);
+  Add(data,
+    { { DCM_DimensionOrganizationSequence, Item({ { DCM_DimensionOrganizationUID, uid } }) },
+      { DCM_DimensionIndexSequence, index } });
 }
 
 /// Common Instance Reference module: the image's series, in this study or in another.
 void AddReferencedSeries(DcmItem& data, const DicomReference& image)
 {
-  const DcmItem series = SeriesReference(image, { 0x0008, 0x114a });
-  if (DicomText(data, { 0x0020, 0x000d }) == image.Identity.StudyInstanceUid)
+  const std::string& study = image.Identity.StudyInstanceUid;
+  const DicomElement series{ DCM_ReferencedSeriesSequence,
+    SeriesReference(image, DCM_ReferencedInstanceSequence) };
+  if (DicomText(data, DCM_StudyInstanceUID) == study)
   {
-    AddSequence(data, { 0x0008, 0x1115 }, { series });
+    Add(data, { series });
     return;
   }
-  DcmItem study;
-  AddTexts(study, { { { 0x0020, 0x000d }, EVR_UI, image.Identity.StudyInstanceUid } });
-  AddSequence(study, { 0x0008, 0x1115 }, { series });
-  AddSequence(data, { 0x0008, 0x1200 }, { study });
+  Add(data,
+    { { DCM_StudiesContainingOtherReferencedInstancesSequence,
+      Item({ { DCM_StudyInstanceUID, study }, series }) } });
 }
 
 /// One bit per pixel from the lowest of each byte, frames without a gap (PS3.5 section 8.1.1).
 void AddPixels(DcmItem& data, const std::vector<DicomSegment>& segments,
   const DicomReference& image)
 {
-  AddTexts(data,
-    { { { 0x0028, 0x0004 }, EVR_CS, "MONOCHROME2" },
-      { { 0x0028, 0x0008 }, EVR_IS, std::to_string(segments.size()) },
-      { { 0x0028, 0x2110 }, EVR_CS, "00" } });
-  AddShort(data, { 0x0028, 0x0002 }, 1);
-  AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(image.Rows));
-  AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(image.Columns));
-  AddShort(data, { 0x0028, 0x0100 }, 1);
-  AddShort(data, { 0x0028, 0x0101 }, 1);
-  AddShort(data, { 0x0028, 0x0102 }, 0);
-  AddShort(data, { 0x0028, 0x0103 }, 0);
-  std::vector<unsigned char> bits((segments.size() * segments.front().Mask.size() + 7) / 8, 0);
+  AddPixelDescription(data, image.Columns, image.Rows, 1);
+  std::vector<std::uint8_t> bits((segments.size() * segments.front().Mask.size() + 7) / 8, 0);
   std::size_t at = 0;
   for (const DicomSegment& segment : segments)
   {
     for (const unsigned char inside : segment.Mask)
     {
-      bits[at / 8] |= static_cast<unsigned char>((inside != 0 ? 1 : 0) << at % 8);
+      bits[at / 8] |= static_cast<std::uint8_t>((inside != 0 ? 1 : 0) << at % 8);
       ++at;
     }
   }
-  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OB, bits.data(), bits.size());
+  AddBulk(data, DCM_PixelData, bits);
 }
 }
 
@@ -144,26 +117,24 @@ void WriteSegmentation(const std::vector<DicomSegment>& segments, const DicomRef
 {
   Check(segments, image);
   DcmItem data;
-  AddCommon(data, "1.2.840.10008.5.1.4.1.1.66.4", "SEG", "Registered lesions", identity);
-  AddTexts(data,
-    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY" },
-      { { 0x0020, 0x0020 }, EVR_CS, image.PatientOrientation },
-      { { 0x0062, 0x0001 }, EVR_CS, "BINARY" }, { { 0x0070, 0x0080 }, EVR_CS, "LESIONS" },
-      { { 0x0070, 0x0081 }, EVR_LO, "Shadows of lesions of a registered volume" },
-      { { 0x0070, 0x0084 }, EVR_PN, "" } });
+  AddCommon(data, UID_SegmentationStorage, "SEG", "Registered lesions", identity);
   std::vector<DcmItem> descriptions;
   std::vector<DcmItem> frames;
-  for (std::size_t index = 0; index < segments.size(); ++index)
+  for (const DicomSegment& segment : segments)
   {
-    const auto number = static_cast<std::uint16_t>(index + 1);
-    descriptions.push_back(Description(segments[index], number));
-    frames.push_back(FrameGroups(image, number));
+    descriptions.push_back(Description(segment, descriptions.size() + 1));
+    frames.push_back(FrameGroups(image, descriptions.size()));
   }
-  AddSequence(data, { 0x0062, 0x0002 }, descriptions);
+  Add(data,
+    { { DCM_ImageType, "DERIVED\\PRIMARY" }, { DCM_PatientOrientation, image.PatientOrientation },
+      { DCM_SegmentationType, "BINARY" }, { DCM_ContentLabel, "LESIONS" },
+      { DCM_ContentDescription, "Shadows of lesions of a registered volume" },
+      { DCM_ContentCreatorName, "" }, { DCM_NumberOfFrames, segments.size() },
+      { DCM_LossyImageCompression, "00" }, { DCM_SegmentSequence, descriptions },
+      { DCM_SharedFunctionalGroupsSequence, DcmItem() },
+      { DCM_PerFrameFunctionalGroupsSequence, frames } });
   AddDimensions(data);
   AddReferencedSeries(data, image);
-  AddSequence(data, { 0x5200, 0x9229 }, { DcmItem() });
-  AddSequence(data, { 0x5200, 0x9230 }, frames);
   AddPixels(data, segments, image);
   WriteDicom(data, path);
 }

@@ -5,15 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
 namespace mammoray
 {
 namespace
 {
-
-constexpr const char* MrClass = "1.2.840.10008.5.1.4.1.1.4";
-
 void CheckSeries(const IntensityVolume& volume, const std::vector<std::string>& paths)
 {
   volume.Validate("MR series");
@@ -43,71 +39,42 @@ std::string Backslashed(const std::vector<std::string>& values)
   return text;
 }
 
-std::string Backslashed(std::initializer_list<double> values)
-{
-  std::string text;
-  for (const double value : values)
-  {
-    text.append(text.empty() ? "" : "\\").append(DecimalString(value));
-  }
-  return text;
-}
-
 /// What all slices share.
 DcmItem SeriesData(const IntensityVolume& volume, const DicomHeader& header)
 {
-  DcmItem data;
-  AddCommon(data, MrClass, "MR", header.SeriesDescription, header.Identity);
-  AddTexts(data,
-    { { { 0x0008, 0x0008 }, EVR_CS, Backslashed(header.ImageType) },
-      { { 0x0008, 0x0070 }, EVR_LO, header.Manufacturer },
-      { { 0x0018, 0x0020 }, EVR_CS, Backslashed(header.ScanningSequence) },
-      { { 0x0018, 0x0021 }, EVR_CS, "NONE" },
-      { { 0x0018, 0x0023 }, EVR_CS, header.AcquisitionType },
-      { { 0x0018, 0x0050 }, EVR_DS, DecimalString(volume.Spacing[2]) },
-      { { 0x0018, 0x0088 }, EVR_DS, DecimalString(volume.Spacing[2]) },
-      { { 0x0018, 0x0091 }, EVR_IS, "" }, // echo train length
-      { { 0x0018, 0x1030 }, EVR_LO, header.ProtocolName },
-      { { 0x0018, 0x5100 }, EVR_CS, header.PatientPosition },
-      { { 0x0020, 0x000e }, EVR_UI,
-        header.SeriesInstanceUid.empty() ? NewUid() : header.SeriesInstanceUid },
-      { { 0x0020, 0x0052 }, EVR_UI,
-        header.FrameOfReferenceUid.empty() ? NewUid() : header.FrameOfReferenceUid },
-      { { 0x0020, 0x0060 }, EVR_CS, "" }, // both sides
-      { { 0x0020, 0x1040 }, EVR_LO, "" } });
   const Vector3& row = volume.Direction[0];
   const Vector3& column = volume.Direction[1];
-  AddTexts(data,
-    { { { 0x0020, 0x0037 }, EVR_DS,
-        Backslashed({ row[0], row[1], row[2], column[0], column[1], column[2] }) },
-      { { 0x0028, 0x0004 }, EVR_CS, "MONOCHROME2" },
-      { { 0x0028, 0x0030 }, EVR_DS, Backslashed({ volume.Spacing[1], volume.Spacing[0] }) } });
+  const auto uid = [](const std::string& given) { return given.empty() ? NewUid() : given; };
+  DcmItem data;
+  AddCommon(data, UID_MRImageStorage, "MR", header.SeriesDescription, header.Identity);
+  AddPixelDescription(data, volume.Size[0], volume.Size[1], 16);
+  Add(data,
+    { { DCM_ImageType, Backslashed(header.ImageType) }, { DCM_Manufacturer, header.Manufacturer },
+      { DCM_ScanningSequence, Backslashed(header.ScanningSequence) },
+      { DCM_SequenceVariant, "NONE" }, { DCM_MRAcquisitionType, header.AcquisitionType },
+      { DCM_SliceThickness, volume.Spacing[2] }, { DCM_SpacingBetweenSlices, volume.Spacing[2] },
+      { DCM_EchoTrainLength, "" }, { DCM_ProtocolName, header.ProtocolName },
+      { DCM_PatientPosition, header.PatientPosition },
+      { DCM_SeriesInstanceUID, uid(header.SeriesInstanceUid) },
+      { DCM_FrameOfReferenceUID, uid(header.FrameOfReferenceUid) },
+      { DCM_Laterality, "" }, // both sides
+      { DCM_PositionReferenceIndicator, "" },
+      { DCM_ImageOrientationPatient, { row[0], row[1], row[2], column[0], column[1], column[2] } },
+      { DCM_PixelSpacing, { volume.Spacing[1], volume.Spacing[0] } },
+      { DCM_SeriesDate, IfAny(header.SeriesDate) }, { DCM_SeriesTime, IfAny(header.SeriesTime) },
+      { DCM_AcquisitionDate, IfAny(header.AcquisitionDate) },
+      { DCM_AcquisitionTime, IfAny(header.AcquisitionTime) },
+      { DCM_ContrastBolusAgent, IfAny(header.ContrastAgent) },
+      { DCM_SequenceName, IfAny(header.SequenceName) },
+      { DCM_RepetitionTime, header.RepetitionTimeMs }, { DCM_EchoTime, header.EchoTimeMs },
+      { DCM_InversionTime, header.InversionTimeMs }, { DCM_FlipAngle, header.FlipAngleDeg },
+      { DCM_SeriesNumber, header.SeriesNumber },
+      { DCM_AcquisitionNumber, header.AcquisitionNumber },
+      { DCM_TemporalPositionIdentifier, header.TemporalPosition } });
   if (header.HasScanOptions)
   {
-    AddTexts(data, { { { 0x0018, 0x0022 }, EVR_CS, Backslashed(header.ScanOptions) } });
+    Add(data, { { DCM_ScanOptions, Backslashed(header.ScanOptions) } });
   }
-  const auto text = [&data](const DcmTagKey& tag, DcmEVR type, const std::string& value)
-  {
-    if (!value.empty())
-    {
-      AddTexts(data, { { tag, type, value } });
-    }
-  };
-  text({ 0x0008, 0x0021 }, EVR_DA, header.SeriesDate);
-  text({ 0x0008, 0x0031 }, EVR_TM, header.SeriesTime);
-  text({ 0x0008, 0x0022 }, EVR_DA, header.AcquisitionDate);
-  text({ 0x0008, 0x0032 }, EVR_TM, header.AcquisitionTime);
-  text({ 0x0018, 0x0010 }, EVR_LO, header.ContrastAgent);
-  text({ 0x0018, 0x0024 }, EVR_SH, header.SequenceName);
-  const auto number = [&](const DcmTagKey& tag, DcmEVR type, const std::optional<double>& value)
-  { text(tag, type, value ? DecimalString(*value) : std::string()); };
-  number({ 0x0018, 0x0080 }, EVR_DS, header.RepetitionTimeMs);
-  number({ 0x0018, 0x0081 }, EVR_DS, header.EchoTimeMs);
-  number({ 0x0018, 0x0082 }, EVR_DS, header.InversionTimeMs);
-  number({ 0x0018, 0x1314 }, EVR_DS, header.FlipAngleDeg);
-  number({ 0x0020, 0x0011 }, EVR_IS, header.SeriesNumber);
-  number({ 0x0020, 0x0012 }, EVR_IS, header.AcquisitionNumber);
-  number({ 0x0020, 0x0100 }, EVR_IS, header.TemporalPosition);
   return data;
 }
 }
@@ -124,25 +91,16 @@ void WriteMrSeries(const IntensityVolume& volume, const DicomHeader& header,
   DcmItem data = SeriesData(volume, header);
   const std::size_t area =
     static_cast<std::size_t>(volume.Size[0]) * static_cast<std::size_t>(volume.Size[1]);
-  AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
-  AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(volume.Size[1]));
-  AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(volume.Size[0]));
-  AddShort(data, { 0x0028, 0x0100 }, 16);
-  AddShort(data, { 0x0028, 0x0101 }, 16);
-  AddShort(data, { 0x0028, 0x0102 }, 15);
-  AddShort(data, { 0x0028, 0x0103 }, 0); // unsigned
   std::vector<std::uint16_t> stored(area);
   for (int layer = 0; layer < volume.Size[2]; ++layer)
   {
-    const Vector3 at = volume.PointAt(0, 0, layer);
-    AddTexts(data,
-      { { { 0x0008, 0x0018 }, EVR_UI, NewUid() },
-        { { 0x0020, 0x0013 }, EVR_IS, std::to_string(layer + 1) },
-        { { 0x0020, 0x0032 }, EVR_DS, Backslashed({ at[0], at[1], at[2] }) } });
+    Add(data,
+      { { DCM_SOPInstanceUID, NewUid() }, { DCM_InstanceNumber, layer + 1 },
+        { DCM_ImagePositionPatient, volume.PointAt(0, 0, layer) } });
     const auto* values = volume.Voxels.data() + static_cast<std::size_t>(layer) * area;
     std::transform(values, values + area, stored.begin(),
       [](float value) { return static_cast<std::uint16_t>(std::lround(value)); });
-    AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * area);
+    AddBulk(data, DCM_PixelData, stored);
     WriteDicom(data, paths[static_cast<std::size_t>(layer)]);
   }
 }

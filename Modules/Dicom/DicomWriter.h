@@ -3,8 +3,8 @@
 #define mammoray_DicomWriter_h
 
 #include "mammoray/Dicom/DicomHeader.h"
-#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayDicomModule.h"
 

@@ -10,7 +10,6 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
-#include "mammoray/Registration/UnitPlacement.h"
 #include "mammoray/Study/CompressionGrids.h"
 
 #include "vtkDataArray.h"

@@ -11,7 +11,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/RegisteredBreast.h"
 
 #include "vtkDoubleArray.h"

@@ -160,7 +160,7 @@ public:
   ///@{
   /**
    * Radius of the plates' chest-wall edges, mm, 0 to 100. Default 8, wider than a unit's, which
-   * is what a patient's mechanics can follow (mammoray/Registration/UnitPlacement.h); where the
+   * is what a patient's mechanics can follow (mammoray/Registration/BreastModel.h); where the
    * body or its cells are much smaller, take the unit's own 3.
    */
   vtkSetMacro(EdgeRadiusMm, double);

@@ -2,7 +2,7 @@
 #ifndef mammoray_FaceTable_h
 #define mammoray_FaceTable_h
 
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayFoundationModule.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #ifndef mammoray_LabelResampling_h
 #define mammoray_LabelResampling_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayFoundationModule.h"
 
 namespace mammoray

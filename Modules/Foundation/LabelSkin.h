@@ -2,7 +2,7 @@
 #ifndef mammoray_LabelSkin_h
 #define mammoray_LabelSkin_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayFoundationModule.h"
 
 #include <vector>

@@ -2,9 +2,9 @@
 #ifndef mammoray_MammographyGeometry_h
 #define mammoray_MammographyGeometry_h
 
-#include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayFoundationModule.h"
 
 #include <array>

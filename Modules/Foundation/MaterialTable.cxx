@@ -2,8 +2,7 @@
 #include "mammoray/Foundation/MaterialTable.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <algorithm>
 

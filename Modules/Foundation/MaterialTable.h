@@ -2,7 +2,7 @@
 #ifndef mammoray_MaterialTable_h
 #define mammoray_MaterialTable_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayFoundationModule.h"
 
 #include <map>

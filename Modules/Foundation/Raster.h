@@ -3,7 +3,7 @@
 #define mammoray_Raster_h
 
 #include "mammoray/Foundation/ParallelFor.h"
-#include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayFoundationModule.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #ifndef mammoray_SurfaceOverlap_h
 #define mammoray_SurfaceOverlap_h
 
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/TriangleTree.h"
 #include "mammorayFoundationModule.h"
 

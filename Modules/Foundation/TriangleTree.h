@@ -2,7 +2,7 @@
 #ifndef mammoray_TriangleTree_h
 #define mammoray_TriangleTree_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_ImageConversion_h
 #define mammoray_ImageConversion_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"

@@ -3,8 +3,7 @@
 #define mammoray_LabelVolumeIO_h
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayIOModule.h"
 
 #include <string>

@@ -3,8 +3,7 @@
 #define mammoray_MeshConversion_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"

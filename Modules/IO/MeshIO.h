@@ -2,7 +2,7 @@
 #ifndef mammoray_MeshIO_h
 #define mammoray_MeshIO_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"

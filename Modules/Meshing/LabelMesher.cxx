@@ -6,7 +6,7 @@
 #include "Private/SeedPlan.h"
 #include "Private/TriangleAim.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>

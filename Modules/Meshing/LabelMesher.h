@@ -2,9 +2,9 @@
 #ifndef mammoray_LabelMesher_h
 #define mammoray_LabelMesher_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Meshing/MeshingOptions.h"
 #include "mammorayMeshingModule.h"
 

@@ -2,9 +2,8 @@
 #ifndef mammoray_MeshCheck_h
 #define mammoray_MeshCheck_h
 
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayMeshingModule.h"
 
 #include <string>

@@ -2,7 +2,7 @@
 #ifndef mammoray_SurfaceMesher_h
 #define mammoray_SurfaceMesher_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Meshing/LabelMesher.h"
 
 namespace mammoray

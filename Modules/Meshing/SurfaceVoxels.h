@@ -2,9 +2,9 @@
 #ifndef mammoray_SurfaceVoxels_h
 #define mammoray_SurfaceVoxels_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

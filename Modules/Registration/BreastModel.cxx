@@ -2,8 +2,8 @@
 #include "mammoray/Registration/BreastModel.h"
 
 #include "Private/MeshVoxels.h"
+#include "Private/Silhouette.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/Silhouette.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Meshing/SimulationMesh.h"
@@ -15,6 +15,165 @@
 
 namespace mammoray
 {
+PlatePair UnitPlacement::PlatesAt(const BreastPose& pose) const
+{
+  return PlatesOf(this->At(pose), this->Unit, pose.ThicknessMm, pose.TiltDeg);
+}
+
+std::vector<PlatePairVelocity> UnitPlacement::PlateVelocitiesAt(const BreastPose& pose) const
+{
+  const PlatePair plates = this->PlatesAt(pose);
+  std::vector<PlatePairVelocity> velocities;
+  for (const UnitVelocity& unit : UnitVelocities(this->Axes, this->Anchor, this->Unit, pose))
+  {
+    const auto carried = [&](const Plate& plate) {
+      return PlateVelocity{ unit.Shift + Cross(unit.Turn, plate.Edge - this->Anchor), unit.Turn };
+    };
+    PlatePairVelocity pair{ carried(plates.Support), carried(plates.Paddle) };
+    pair.Paddle.Linear = pair.Paddle.Linear + unit.PaddleShift;
+    pair.Paddle.Angular = pair.Paddle.Angular + unit.PaddleTurn;
+    velocities.push_back(pair);
+  }
+  velocities.resize(StiffnessParameter);
+  return velocities;
+}
+
+namespace
+{
+/// Takes the motion of the unit's own points off velocities of `positions`: rays and pixels move
+/// with the unit, and the unit with its support.
+void SubtractMotion(const PlateVelocity& unit, const Plate& support,
+  const std::vector<double>& positions, std::span<double> velocities)
+{
+  for (std::size_t index = 0; index < velocities.size(); index += 3)
+  {
+    const Vector3 carried =
+      unit.VelocityAt(support, { positions[index], positions[index + 1], positions[index + 2] });
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      velocities[index + axis] -= carried[axis];
+    }
+  }
+}
+}
+
+BreastBody::BreastBody(CompressionSimulation simulation, std::vector<ElasticMaterial> elastic,
+  std::vector<int> gland)
+  : Simulated(std::move(simulation))
+  , ReferenceMaterials(std::move(elastic))
+  , Gland(std::move(gland))
+{
+  for (const int index : this->Gland)
+  {
+    if (index < 0 || static_cast<std::size_t>(index) >= this->ReferenceMaterials.size())
+    {
+      throw InputError("breast: expected a material of the " +
+        std::to_string(this->ReferenceMaterials.size()) + " known to scale, found number " +
+        std::to_string(index));
+    }
+  }
+}
+
+void BreastBody::SetElastic(std::vector<ElasticMaterial> elastic)
+{
+  this->Simulated.SetMaterials(elastic);
+  this->ReferenceMaterials = std::move(elastic);
+}
+
+void BreastBody::SetSurface(const std::vector<double>& points)
+{
+  this->SurfacePoints.emplace(this->Simulated, points);
+}
+
+const Embedding& BreastBody::Surface() const
+{
+  if (!this->SurfacePoints)
+  {
+    throw InputError("breast: expected a surface to X-ray, found none");
+  }
+  return *this->SurfacePoints;
+}
+
+/// Leaves a simulation alone that has this stiffness.
+void BreastBody::SetStiffness(double factor)
+{
+  std::vector<ElasticMaterial> materials = this->ReferenceMaterials;
+  bool differs = false;
+  for (const int index : this->Gland)
+  {
+    materials[index].YoungsModulusKPa *= factor;
+    differs = differs ||
+      materials[index].YoungsModulusKPa != this->Simulated.Materials()[index].YoungsModulusKPa;
+  }
+  if (differs)
+  {
+    this->Simulated.SetMaterials(materials);
+  }
+}
+
+MaterialDerivative BreastBody::StiffnessVelocity() const
+{
+  MaterialDerivative velocity(this->ReferenceMaterials.size());
+  for (const int index : this->Gland)
+  {
+    velocity[index].YoungsModulusKPa = this->ReferenceMaterials[index].YoungsModulusKPa;
+  }
+  return velocity;
+}
+
+CompressionState BreastBody::Compress(const UnitPlacement& placement, const BreastPose& pose,
+  const CompressionState* start, const ProgressCallback& progress)
+{
+  this->SetStiffness(pose.Stiffness);
+  return this->Simulated.Compress(placement.PlatesAt(pose), start, progress,
+    CompressionSimulation::Refusal::AtOnce);
+}
+
+CompressionState BreastBody::Adopt(const BreastBody& other, const CompressionState& state,
+  double stiffness, const ProgressCallback& progress)
+{
+  this->SetStiffness(stiffness);
+  return this->Simulated.Adopt(other.Simulated, state, progress);
+}
+
+VectorFields BreastBody::VelocitiesSeenFromUnit(const UnitPlacement& placement,
+  const BreastPose& pose, const CompressionState& state, const Embedding& points,
+  const std::vector<double>& positions, const std::vector<int>& wanted)
+{
+  // The last equilibrium may have been a refused step's, of another stiffness.
+  this->SetStiffness(pose.Stiffness);
+  const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(pose);
+  std::vector<PlatePairVelocity> motions;
+  std::vector<MaterialDerivative> stiffening;
+  for (const int parameter : wanted)
+  {
+    if (parameter == StiffnessParameter)
+    {
+      stiffening.push_back(this->StiffnessVelocity());
+    }
+    else
+    {
+      motions.push_back(all[parameter]);
+    }
+  }
+  const Plate support = placement.PlatesAt(pose).Support;
+  const VectorFields nodes = this->Simulated.Sensitivities(state, motions, stiffening);
+  VectorFields velocities(wanted.size(), positions.size());
+  std::size_t motion = 0;
+  for (std::size_t field = 0; field < wanted.size(); ++field)
+  {
+    if (wanted[field] == StiffnessParameter)
+    {
+      points.Map(nodes[nodes.Count() - 1], velocities[field]);
+      continue;
+    }
+    points.Map(nodes[motion], velocities[field]);
+    SubtractMotion(motions[motion].Support, support, positions, velocities[field]);
+    ++motion;
+  }
+  return velocities;
+}
+
 namespace
 {
 /// Voxels of an anatomy without a volume, mm: finer than any simulation cell.
@@ -29,7 +188,7 @@ MaterialField SampledFrom(LabelVolume volume)
 }
 
 /// Throws InputError unless the chest wall is there.
-ElasticTable HeldTable(const MaterialTable& table)
+ElasticTable TableWithChestWall(const MaterialTable& table)
 {
   ElasticTable materials(table);
   if (std::find(materials.Fixed.begin(), materials.Fixed.end(), true) == materials.Fixed.end())
@@ -46,14 +205,14 @@ std::size_t MostSimulationCells(ElementType element)
   return element == ElementType::Quadratic ? 20000 : 150000;
 }
 
-TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials, const std::vector<bool>& held,
+TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials, const std::vector<bool>& fixed,
   double cellSizeMm, const ProgressCallback& progress)
 {
 #ifdef MAMMORAY_HAS_MESHING
-  return MeshForSimulation(materials, held, cellSizeMm, progress).Mesh;
+  return MeshForSimulation(materials, fixed, cellSizeMm, progress).Mesh;
 #else
   (void)materials;
-  (void)held;
+  (void)fixed;
   (void)cellSizeMm;
   (void)progress;
   throw InputError("this build has no Meshing module to make a mesh for the simulation; expected "
@@ -102,7 +261,7 @@ struct BreastModel::Basis
   MaterialField Field;
 
   /// Takes the volume and the mesh out of the options.
-  Basis(const TetrahedralMesh& anatomy, const std::vector<bool>& held, BreastModelOptions& options,
+  Basis(const TetrahedralMesh& anatomy, const std::vector<bool>& fixed, BreastModelOptions& options,
     const ProgressCallback& progress)
     : Field(options.Field)
   {
@@ -121,7 +280,7 @@ struct BreastModel::Basis
       const LabelVolume& volume =
         options.Volume ? *options.Volume : options.Volume.emplace(Voxelize(anatomy, VoxelMm));
       this->Mesh = std::make_unique<TetrahedralMesh>(
-        MakeSimulationMesh(volume, held, options.CellSizeMm, progress));
+        MakeSimulationMesh(volume, fixed, options.CellSizeMm, progress));
     }
     if (options.Volume && !this->Field)
     {
@@ -174,8 +333,8 @@ BreastModel::BreastModel(TetrahedralMesh anatomy, const ElasticTable& materials,
 
 BreastModel::BreastModel(TetrahedralMesh anatomy, const MaterialTable& table,
   BreastModelOptions options, const ProgressCallback& progress)
-  : BreastModel(std::move(anatomy), HeldTable(table), table.Glandular(), std::move(options),
-      progress)
+  : BreastModel(std::move(anatomy), TableWithChestWall(table), table.Glandular(),
+      std::move(options), progress)
 {
 }
 

@@ -2,12 +2,14 @@
 #ifndef mammoray_BreastModel_h
 #define mammoray_BreastModel_h
 
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Biomechanics/Embedding.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
-#include "mammoray/Registration/BreastBody.h"
+#include "mammoray/Foundation/Meshes.h"
+#include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
@@ -23,6 +25,85 @@
 namespace mammoray
 {
 /**
+ * Radius of the plates' chest-wall edges in a search, mm. It is larger than a unit's 3 mm and than
+ * the 6 mm between the nodes of a patient's mechanics: tissue passes a sharper edge node by node,
+ * in jumps of some mm that derivatives do not show.
+ */
+inline constexpr double SearchedEdgeRadiusMm = 8.0;
+
+/// A unit that a pose places around a breast: the unit, and the frame that the pose refers to.
+struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
+{
+  AnatomicalAxes Axes;
+  /// The point of the volume frame about which the unit turns (FindPoseAnchor), mm.
+  Vector3 Anchor{ 0, 0, 0 };
+  MammographyUnit Unit;
+
+  VolumeFromGantry At(const BreastPose& pose) const
+  {
+    return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
+  }
+  /// The plates in the volume frame.
+  PlatePair PlatesAt(const BreastPose& pose) const;
+  /// Velocities of the plates with each of PoseParameters before the stiffness, per mm or degree.
+  std::vector<PlatePairVelocity> PlateVelocitiesAt(const BreastPose& pose) const;
+};
+
+/**
+ * Simulation of a breast whose glandular stiffness is a parameter of the pose, and the X-rayed
+ * surface that moves with it. Calls set the stiffness of the simulation as they need it.
+ */
+class MAMMORAYREGISTRATION_EXPORT BreastBody
+{
+public:
+  /// `elastic`: the simulation's materials at a stiffness of 1; `gland`: indices of those that are
+  /// scaled by it.
+  BreastBody(CompressionSimulation simulation, std::vector<ElasticMaterial> elastic,
+    std::vector<int> gland);
+
+  CompressionSimulation& Simulation() { return this->Simulated; }
+  const CompressionSimulation& Simulation() const { return this->Simulated; }
+  const std::vector<ElasticMaterial>& Elastic() const { return this->ReferenceMaterials; }
+  /// Replaces the materials at a stiffness of 1, as many as before.
+  void SetElastic(std::vector<ElasticMaterial> elastic);
+  /// True if the stiffness scales any material.
+  bool HasGland() const { return !this->Gland.empty(); }
+
+  /// Sets the X-rayed points: 3 x pointCount, frame of the mesh, mm.
+  void SetSurface(const std::vector<double>& points);
+  /// Throws InputError if no surface was set.
+  const Embedding& Surface() const;
+
+  /// Equilibrium at a pose. Throws as CompressionSimulation::Compress, at once.
+  CompressionState Compress(const UnitPlacement& placement, const BreastPose& pose,
+    const CompressionState* start = nullptr, const ProgressCallback& progress = {});
+
+  /// The equilibrium that `state` of another body of the same breast, at this stiffness, stands
+  /// for (CompressionSimulation::Adopt).
+  CompressionState Adopt(const BreastBody& other, const CompressionState& state, double stiffness,
+    const ProgressCallback& progress = {});
+
+  /**
+   * How points that move with the simulation change with the parameters numbered in `wanted`, seen
+   * from the unit: exact derivatives of their equilibrium `state` at `pose` minus the motion of the
+   * unit's own points. `positions`: of the points in that state (Embedding::Map). One field
+   * each, volume frame, mm per unit of the parameter.
+   */
+  VectorFields VelocitiesSeenFromUnit(const UnitPlacement& placement, const BreastPose& pose,
+    const CompressionState& state, const Embedding& points, const std::vector<double>& positions,
+    const std::vector<int>& wanted);
+
+private:
+  void SetStiffness(double factor);
+  MaterialDerivative StiffnessVelocity() const;
+
+  CompressionSimulation Simulated;
+  std::vector<ElasticMaterial> ReferenceMaterials;
+  std::vector<int> Gland;
+  std::optional<Embedding> SurfacePoints;
+};
+
+/**
  * Largest number of cells of a mesh that is simulated as it is: 20000 quadratic or 150000 linear
  * ones, whose cold start takes about a minute and a gigabyte (docs/speed.md). Larger meshes
  * are carried by a coarser one, on which each equilibrium of a search takes seconds.
@@ -31,11 +112,11 @@ MAMMORAYREGISTRATION_EXPORT std::size_t MostSimulationCells(ElementType element)
 
 /**
  * Makes a coarse mesh for the mechanics of a volume of material indices (MeshForSimulation of the
- * Meshing module). `held`: whether each material is fixed. Throws InputError in a build without
+ * Meshing module). `fixed`: whether each material is fixed. Throws InputError in a build without
  * Meshing.
  */
 MAMMORAYREGISTRATION_EXPORT TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials,
-  const std::vector<bool>& held, double cellSizeMm, const ProgressCallback& progress = {});
+  const std::vector<bool>& fixed, double cellSizeMm, const ProgressCallback& progress = {});
 
 /**
  * Gives a simulation of more than 20000 linear cells, whose cold start takes longer than ten

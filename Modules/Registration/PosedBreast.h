@@ -4,12 +4,12 @@
 
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Registration/Silhouette.h"
 #include "mammorayRegistrationModule.h"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace mammoray
@@ -20,6 +20,25 @@ MAMMORAYREGISTRATION_EXPORT XRaySource SourceOf(const VolumeFromGantry& placed,
   const MammographyUnit& unit);
 MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& placed,
   const ReceptorGrid& grid, int samples);
+
+/// Shadow of a point of the gantry frame from the unit's focal spot; NaN at or above the spot.
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint ShadowOf(const Vector3& gantry,
+  const MammographyUnit& unit);
+
+/**
+ * Projects points from the unit's focal spot onto the receptor plane.
+ * `points`: 3 x pointCount, volume frame, mm. Points at or above the focal spot become NaN.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
+  const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit);
+
+/**
+ * Velocities of the projections of points, mm per unit of a parameter. `velocities`: of the points
+ * relative to the unit, 3 x pointCount, volume frame, mm per unit.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ReceptorVelocities(
+  const std::vector<double>& points, std::span<const double> velocities,
+  const VolumeFromGantry& placed, const MammographyUnit& unit);
 
 /**
  * A compressed breast in the unit: the moved surface, its silhouette and its picture. Each is

@@ -3,7 +3,6 @@
 
 #include "Private/SearchLevel.h"
 #include "Private/SearchStart.h"
-#include "Private/ValidateRegistration.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 
@@ -162,7 +161,6 @@ public:
     {
       const ProgressCallback progress = this->OfView(view, 0, StartEnds);
       CompressStart(view, progress);
-      this->KeepBefore(view);
       if (chooses)
       {
         this->Choose(view.Breast(), view, progress);
@@ -224,7 +222,6 @@ private:
         const ProgressCallback progress = this->OfView(view, 0, StartEnds);
         view.Current =
           CompressForStart(predictors.back(), view.Result.Values, nullptr, view.Result, progress);
-        this->KeepBefore(view);
         this->Choose(predictors.back(), view, progress);
       }
       const bool goesOn =
@@ -305,8 +302,6 @@ private:
       Synthesize(*view.Current, finest.Grid, ChestWallCentre(finest), this->Options.Samples),
       finest);
   }
-
-  void KeepBefore(ViewSearch& view) const { view.Result.Before = this->AgreementOf(view); }
 
   /// Of one mammogram's share in a stage that takes them one by one.
   ProgressCallback OfView(const ViewSearch& view, double from, double to) const
@@ -445,15 +440,10 @@ private:
 };
 }
 
-bool IsShared(int parameter)
-{
-  return parameter == StiffnessParameter;
-}
-
 RegistrationResult Register(const RegistrationProblem& problem, const ProgressCallback& progress,
   const SearchObserver& observer)
 {
-  ValidateProblem(problem);
+  problem.Validate();
   Search search(problem, progress, observer);
   search.Run();
   return search.Result();

@@ -16,10 +16,6 @@ namespace mammoray
 /// Values and Iterations of each view so far.
 using SearchObserver = std::function<void(const std::vector<const ViewResult*>& views)>;
 
-/// Whether views of one breast have a parameter in common: its stiffness. All others say how the
-/// unit stood and how the breast was laid into it, for each exposure anew.
-MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
-
 /**
  * Finds the poses and compressions whose synthetic mammograms match the views, by Ceres
  * (Levenberg-Marquardt). Each view has its own pose and compression; a shared parameter has one

@@ -6,7 +6,6 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Registration/UnitPlacement.h"
 #include "mammorayRegistrationModule.h"
 
 #include <memory>
@@ -83,6 +82,10 @@ struct RegistrationOptions
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
 
+/// Whether views of one breast have a parameter in common: its stiffness. All others say how the
+/// unit stood and how the breast was laid into it, for each exposure anew.
+MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
+
 /**
  * A further projection of the compression that a view shows, as a tomosynthesis has them: one pose
  * and one equilibrium, seen from another focal spot.
@@ -136,6 +139,8 @@ struct MAMMORAYREGISTRATION_EXPORT RegistrationProblem
   {
     return { this->Axes, this->Anchor, view.Unit };
   }
+  /// Throws InputError unless a search can begin with this problem.
+  void Validate() const;
 };
 
 /// What the breast of a problem is made from.

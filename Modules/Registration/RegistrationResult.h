@@ -2,11 +2,11 @@
 #ifndef mammoray_RegistrationResult_h
 #define mammoray_RegistrationResult_h
 
-#include "mammoray/Registration/ModelError.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Registration/RegistrationProblem.h"
-#include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammorayRegistrationModule.h"
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -69,6 +69,44 @@ struct Assessment
   std::vector<std::string> Reasons;
 };
 
+/// A synthetic mammogram on a grid of the receptor.
+struct SyntheticMammogram
+{
+  /// -ln(I / I0) of each pixel.
+  std::vector<float> LogAttenuation;
+  /// Outer silhouette on the receptor, gantry x, y, mm; from +x to -x around the nipple.
+  std::vector<ReceptorPoint> Outline;
+  /// Number of rays that crossed a surface which does not close.
+  std::size_t InconsistentRays = 0;
+};
+
+/// How alike a synthetic and a real mammogram are.
+struct Similarity
+{
+  /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
+  double Correlation = 0;
+  /**
+   * Distances from the real outline, where it is compared (OutlineAlong), to the synthetic one, mm.
+   * Not the other way: what an MRI holds of the body beside the breast need not be in the picture.
+   */
+  double MeanOutlineDistanceMm = 0;
+  double LargestOutlineDistanceMm = 0;
+  /**
+   * Correlation of the tissue alone: in pixels of 1.5 mm, of what stands out of its surroundings (3
+   * mm) where a breast is as thick as the plates are apart, 20 mm and more from its outline, in one
+   * that is smaller over half of the largest distance. Breasts of one size and shape have all else
+   * in common. NaN where that is less than 1 cm^2.
+   */
+  double TissueCorrelation = 0;
+};
+
+/// Distance of tissue from where a result places it, mm: median and 95 % quantile.
+struct ExpectedError
+{
+  double MedianMm = 0;
+  double Most95Mm = 0;
+};
+
 /// What a registration found of one view.
 struct ViewResult
 {
@@ -105,8 +143,7 @@ struct ViewResult
    * start has no equilibrium or was not made.
    */
   double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
-  /// At the start in the finest pixels that are compared, at the end on the target's own grid.
-  Similarity Before;
+  /// At the end, on the target's own grid.
   Similarity After;
   /// The same of each further projection of a tomosynthesis, at the end.
   std::vector<Similarity> ProjectionsAfter;
@@ -179,6 +216,52 @@ MAMMORAYREGISTRATION_EXPORT Assessment Assess(const ViewResult& result);
 
 /// Whether a free parameter's value lies at a bound, up to a thousandth of the way between them.
 MAMMORAYREGISTRATION_EXPORT bool AtBound(const RegistrationParameter& parameter, double value);
+
+/// X-rays a compressed breast, with `samples` rays along each side of a pixel. The silhouette is
+/// looked for along rays from `centre`, a point of its shadow at the chest wall (ChestWallCentre).
+MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(PosedBreast& breast,
+  const ReceptorGrid& grid, const ReceptorPoint& centre, int samples);
+
+/// NaN where there is no outline to compare. Throws InputError on an empty mask.
+MAMMORAYREGISTRATION_EXPORT Similarity Compare(const SyntheticMammogram& synthetic,
+  const RegistrationTarget& target);
+
+/**
+ * What a model of tissue gets wrong beyond the parameters that are found (stiffness, chest wall,
+ * segmentation, the shape without load): standard deviation of each coordinate of a compressed
+ * point, by so much anywhere, mm, and by this share of its deformation, which is its displacement
+ * less the rigid motion of the tissue between the plates. So much holds 95 % of the coordinates of
+ * virtual studies of patients' anatomies, and more of phantoms' (docs/accuracy.md, "How sure").
+ */
+inline constexpr double ModelErrorMm = 0.3;
+inline constexpr double ModelErrorShare = 0.12;
+
+/// The model's own error, by the deformation of one compressed breast.
+class MAMMORAYREGISTRATION_EXPORT ModelError
+{
+public:
+  /// `points`: those of the anatomy when compressed, 3 x pointCount, volume frame, mm.
+  ModelError(const TetrahedralMesh& anatomy, const std::vector<double>& points,
+    const VolumeFromGantry& placed);
+
+  /// Standard deviation of each coordinate of a point, mm; `rest`, `compressed`: its places.
+  double SigmaMm(const Vector3& rest, const Vector3& compressed) const;
+
+  /// Cells that stand for equal shares of the tissue between the plates; of all tissue if none lies
+  /// in front of the plates' edge.
+  const std::vector<std::size_t>& CellsBetween() const { return this->Cells; }
+
+private:
+  std::vector<std::size_t> Cells;
+  /// Rigid motion nearest to theirs: rest -> Rotation rest + Shift, row by row.
+  std::array<Vector3, 3> Rotation{};
+  Vector3 Shift{ 0, 0, 0 };
+};
+
+/// Of the tissue between the plates, by the covariance of the parameters (ConsideredCovariance,
+/// else Covariance) and the model's own error; nothing where the result has neither covariance.
+MAMMORAYREGISTRATION_EXPORT std::optional<ExpectedError> ExpectedErrorOf(
+  const TetrahedralMesh& anatomy, const ViewResult& result);
 }
 
 #endif

@@ -86,6 +86,23 @@ void ValidateTarget(const RegistrationTarget& target)
   RequireBreast(target);
 }
 
+void ExcludePixels(const std::vector<unsigned char>& mask, RegistrationTarget& target)
+{
+  if (mask.size() != target.BreastMask.size())
+  {
+    throw InputError("mask: expected a value for each of " +
+      std::to_string(target.BreastMask.size()) + " pixels, found " + std::to_string(mask.size()));
+  }
+  target.Excluded.resize(target.BreastMask.size(), 0);
+  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
+  {
+    if (mask[pixel] != 0)
+    {
+      target.Excluded[pixel] = 1;
+    }
+  }
+}
+
 RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
 {
   RegistrationTarget coarse;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
 #include "Private/PixelFilters.h"
+#include "Private/Silhouette.h"
 #include "Private/ZScores.h"
 #include "mammoray/Foundation/Vector3.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "Private/BreastContrast.h"
 #include "Private/GantryGrid.h"
+#include "Private/MammogramMask.h"
 #include "Private/PixelFilters.h"
 #include "Private/PixelMask.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/MammogramMask.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,9 @@
 #ifndef mammoray_BreastSegmentation_h
 #define mammoray_BreastSegmentation_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoraySegmentationModule.h"
 
 #include <string>

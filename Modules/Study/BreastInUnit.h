@@ -2,8 +2,8 @@
 #ifndef mammoray_BreastInUnit_h
 #define mammoray_BreastInUnit_h
 
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammorayStudyModule.h"
 

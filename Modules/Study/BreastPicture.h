@@ -3,7 +3,7 @@
 #define mammoray_BreastPicture_h
 
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammoray/Study/LayeredPicture.h"
 #include "mammorayStudyModule.h"

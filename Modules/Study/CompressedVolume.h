@@ -2,8 +2,8 @@
 #ifndef mammoray_CompressedVolume_h
 #define mammoray_CompressedVolume_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammorayStudyModule.h"

@@ -8,7 +8,6 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
-#include "mammoray/Registration/UnitPlacement.h"
 #include "mammoray/Study/CompressionGrids.h"
 #include "mammoray/Study/CutPicture.h"
 #include "mammoray/Study/CutTissue.h"

@@ -4,7 +4,7 @@
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayStudyModule.h"
 
 #include "vtkSmartPointer.h"

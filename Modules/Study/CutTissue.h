@@ -3,8 +3,8 @@
 #define mammoray_CutTissue_h
 
 #include "mammoray/Biomechanics/SimulationCells.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayStudyModule.h"
 
 #include <cstddef>

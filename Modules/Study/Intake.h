@@ -6,7 +6,7 @@
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayStudyModule.h"
 
 #include <cstddef>

@@ -3,7 +3,7 @@
 
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/PosedBreast.h"
 
 #include "vtkDataArray.h"
 #include "vtkGenericCell.h"

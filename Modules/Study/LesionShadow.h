@@ -2,7 +2,7 @@
 #ifndef mammoray_LesionShadow_h
 #define mammoray_LesionShadow_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/XRay/PathLengthProjector.h"

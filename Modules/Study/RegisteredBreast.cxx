@@ -4,10 +4,9 @@
 #include "Private/CellFinder.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/Registration/ModelError.h"
 #include "mammoray/Registration/PosedBreast.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Registration/Silhouette.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"

@@ -11,7 +11,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/CutTissue.h"
 #include "mammoray/Study/StudyCase.h"
 

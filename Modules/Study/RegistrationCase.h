@@ -4,15 +4,14 @@
 
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
-#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Registration/TargetPreparation.h"
-#include "mammoray/Registration/UnitPlacement.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammorayStudyModule.h"
 

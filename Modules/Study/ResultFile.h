@@ -4,7 +4,6 @@
 
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Registration/RegistrationResult.h"
 #include "mammorayStudyModule.h"
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_ResultObjects_h
 #define mammoray_ResultObjects_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/XRay/PathLengthProjector.h"

@@ -2,9 +2,8 @@
 #ifndef mammoray_SlicePicture_h
 #define mammoray_SlicePicture_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/LayeredPicture.h"
 #include "mammorayStudyModule.h"
 

@@ -4,7 +4,7 @@
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
-#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/StudyTruth.h"

@@ -2,9 +2,8 @@
 #ifndef mammoray_StudyCase_h
 #define mammoray_StudyCase_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/Intake.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/RegistrationReport.h"

@@ -3,7 +3,7 @@
 #define mammoray_ExampleScenes_h
 
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayXRayModule.h"
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_LabelSurface_h
 #define mammoray_LabelSurface_h
 
-#include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayXRayModule.h"
 
 #include <array>

@@ -2,9 +2,8 @@
 #ifndef mammoray_PathLengthProjector_h
 #define mammoray_PathLengthProjector_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
-#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayXRayModule.h"
 
 #include <memory>

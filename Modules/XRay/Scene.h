@@ -3,7 +3,7 @@
 #define mammoray_Scene_h
 
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"

@@ -265,8 +265,6 @@ TEST_F(ViewCommand, RefusesInOneLine)
     "expected a material table beside a mesh; set --materials");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu") + " --materials victre",
     "material 2 is 'wall'");
-  this->ExpectRefused(this->MeshArguments + " --pictures " + this->Folder.File("none"),
-    "no such folder");
   this->ExpectRefused(this->MeshArguments + " --screenshot " + this->Folder.File("view.gif"),
     "expected the extension .png");
   EXPECT_EQ(this->Run("view"), 2);

@@ -35,7 +35,7 @@ struct Arguments
   std::optional<std::array<double, 3>> Point;
   std::array<int, 2> Size{ 1280, 800 };
   Wall Attachment = Wall::Fixed;
-  bool Overwrite = false;
+  bool Quick = false;
   bool Correct = true;
   std::string Mesh;
   std::vector<std::string> Pictures;
@@ -58,7 +58,7 @@ void Declare(const OptionList& add, Arguments& arguments)
   add.Numbers("--size", arguments.Size, "W H", "of the window");
   add.Choice<Wall>("--chest-wall", arguments.Attachment,
     { { "fixed", Wall::Fixed }, { "sliding", Wall::Sliding } }, "how it is attached");
-  add.Group("Files").Flag("--overwrite", arguments.Overwrite, "replace files");
+  add.Group("Speed").Flag("--quick", arguments.Quick, "coarsely");
   add.FlagOff("--no-correction", arguments.Correct, "leave it");
   add.Input("--mesh", arguments.Mesh, "to press");
   add.Input("--picture", arguments.Pictures, "to compare with");
@@ -99,21 +99,21 @@ TEST_F(OptionListTest, VariablesKeepTheirValuesUnlessGiven)
   EXPECT_FALSE(given.Point);
   EXPECT_EQ(given.Size, (std::array<int, 2>{ 1280, 800 }));
   EXPECT_EQ(given.Attachment, Wall::Fixed);
-  EXPECT_FALSE(given.Overwrite);
+  EXPECT_FALSE(given.Quick);
   EXPECT_TRUE(given.Correct);
 }
 
 TEST_F(OptionListTest, VariablesTakeWhatIsGiven)
 {
   this->Parse("--thickness 41.5 --force 90 --pixel-sizes 4 2 1 --point 1 -2 3.5 --size 640 480 "
-              "--chest-wall sliding --overwrite --no-correction");
+              "--chest-wall sliding --quick --no-correction");
   EXPECT_EQ(given.ThicknessMm, 41.5);
   EXPECT_EQ(given.ForceN, 90);
   EXPECT_EQ(given.PixelSizesMm, (std::vector<double>{ 4, 2, 1 }));
   EXPECT_EQ(given.Point, (std::array<double, 3>{ 1, -2, 3.5 }));
   EXPECT_EQ(given.Size, (std::array<int, 2>{ 640, 480 }));
   EXPECT_EQ(given.Attachment, Wall::Sliding);
-  EXPECT_TRUE(given.Overwrite);
+  EXPECT_TRUE(given.Quick);
   EXPECT_FALSE(given.Correct);
 }
 
@@ -124,7 +124,7 @@ TEST_F(OptionListTest, HelpTellsUnitRangeAndDefault)
          "  --pixel-sizes mm ...        coarse to fine (default [3,1.5])\n",
          "  --chest-wall fixed|sliding  how it is attached (default fixed)\n",
          "  --force N                   of the paddle\n", "  --point X Y Z               a place\n",
-         "Files:\n" })
+         "Speed:\n", "Of every command:\n" })
   {
     EXPECT_THAT(help, testing::HasSubstr(line));
   }
@@ -136,11 +136,11 @@ TEST_F(OptionListTest, ExpertsAndCaseFilesHaveMore)
 {
   const std::string few = this->Command->help();
   EXPECT_THAT(few, testing::Not(testing::HasSubstr("--shift")));
-  EXPECT_THAT(few, testing::HasSubstr("--help-all lists 2 more options"));
+  EXPECT_THAT(few, testing::HasSubstr("--help-all lists 6 more options"));
   const std::string all = this->Command->help("", CLI::AppFormatMode::All);
   EXPECT_THAT(all, testing::HasSubstr("--shift mm                  of the breast as a whole"));
   EXPECT_THAT(all, testing::Not(testing::HasSubstr("friction ")));
-  EXPECT_THROW(this->Parse("--friction 0.5"), CLI::ParseError);
+  EXPECT_THROW(CheckWords(this->Application, { "press", "--friction", "0.5" }), CLI::ParseError);
   const test::TemporaryFolder folder;
   const std::string file =
     folder.Write("press.json", R"({ "$schema": "case.schema.json", "friction": 0.5, "shift": 2 })");
@@ -153,10 +153,10 @@ TEST_F(OptionListTest, ExpertsAndCaseFilesHaveMore)
 
 TEST_F(OptionListTest, ConfigurationRoundTrips)
 {
-  this->Parse("--thickness 41.5 --point 1 -2 3.5 --chest-wall sliding --overwrite");
+  this->Parse("--thickness 41.5 --point 1 -2 3.5 --chest-wall sliding --quick");
   const std::string printed = PrintedConfiguration(*this->Command);
   for (const char* entry : { "\"thickness\": 41.5", "\"chest-wall\": \"sliding\"",
-         "\"overwrite\": true", "\"no-correction\": false", "\"friction\": 0" })
+         "\"quick\": true", "\"overwrite\": false", "\"no-correction\": false", "\"friction\": 0" })
   {
     EXPECT_THAT(printed, testing::HasSubstr(entry));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "OutputFiles.h"
+#include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,9 @@ namespace
 class OutputFiles : public testing::Test
 {
 protected:
+  void SetUp() override { Program().Overwrite = true; }
+  void TearDown() override { Program().Overwrite = false; }
+
   /// As a command does before it runs.
   static void Give(const std::vector<std::string>& values)
   {
@@ -42,18 +46,19 @@ TEST_F(OutputFiles, FilesAreCheckedBeforeTheWork)
   EXPECT_NO_THROW(CheckInputFileIfAny(""));
   EXPECT_THROW(CheckInputFile(this->Folder.File("none.vtu")), InputError);
   EXPECT_THROW(CheckInputFile(this->Folder.File("")), InputError); // a folder
-  EXPECT_THROW(CheckOutputFile(path, false), InputError);
-  EXPECT_NO_THROW(CheckOutputFile(path, true));
-  EXPECT_THROW(CheckOutputFile("", true), InputError);
-  EXPECT_THROW(CheckOutputFile("/nowhere/mesh.vtu", true), InputError);
-  EXPECT_THROW(CheckOutputFile(this->Folder.File("mesh.stl"), false, ".vtu", "a volume mesh"),
-    InputError);
-  EXPECT_NO_THROW(CheckPictureFile("", false));
-  EXPECT_THROW(CheckPictureFile(this->Folder.File("picture.jpg"), false), InputError);
+  Program().Overwrite = false;
+  EXPECT_THROW(CheckOutputFile(path), InputError);
+  Program().Overwrite = true;
+  EXPECT_NO_THROW(CheckOutputFile(path));
+  EXPECT_THROW(CheckOutputFile(""), InputError);
+  EXPECT_THROW(CheckOutputFile("/nowhere/mesh.vtu"), InputError);
+  EXPECT_THROW(CheckOutputFile(this->Folder.File("mesh.stl"), ".vtu", "a volume mesh"), InputError);
+  EXPECT_NO_THROW(CheckPictureFile(""));
+  EXPECT_THROW(CheckPictureFile(this->Folder.File("picture.jpg")), InputError);
   // Two outputs of one name.
-  EXPECT_NO_THROW(CheckOutputFile(this->Folder.File("new.vtu"), false));
-  EXPECT_THROW(CheckOutputFile(this->Folder.File("./new.vtu"), false), InputError);
-  EXPECT_THROW(CheckOutputFile("/dev/null", true), InputError);
+  EXPECT_NO_THROW(CheckOutputFile(this->Folder.File("new.vtu")));
+  EXPECT_THROW(CheckOutputFile(this->Folder.File("./new.vtu")), InputError);
+  EXPECT_THROW(CheckOutputFile("/dev/null"), InputError);
 }
 
 TEST_F(OutputFiles, AnInputIsNeverAnOutput)
@@ -65,17 +70,17 @@ TEST_F(OutputFiles, AnInputIsNeverAnOutput)
   fs::create_hard_link(image, this->Folder.File("linked.dcm"));
   fs::create_symlink(image, this->Folder.File("symbolic.dcm"));
   this->Give({ image, this->Folder.File("result") });
-  EXPECT_NO_THROW(CheckOutputPlace(image, true)); // only itself
-  EXPECT_NO_THROW(CheckOutputPlace(table, true));
-  EXPECT_THROW(CheckOutputPlace(result, true), InputError);
-  EXPECT_NO_THROW(CheckOutputPlace(this->Folder.File("result/report.html"), true)); // is not there
+  EXPECT_NO_THROW(CheckOutputPlace(image)); // only itself
+  EXPECT_NO_THROW(CheckOutputPlace(table));
+  EXPECT_THROW(CheckOutputPlace(result), InputError);
+  EXPECT_NO_THROW(CheckOutputPlace(this->Folder.File("result/report.html"))); // is not there
   for (const char* name : { "m.dcm", "linked.dcm", "symbolic.dcm" })
   {
     this->Give({ image, this->Folder.File(name) });
-    EXPECT_THROW(CheckOutputPlace(this->Folder.File(name), true), InputError) << name;
+    EXPECT_THROW(CheckOutputPlace(this->Folder.File(name)), InputError) << name;
   }
   this->Give({ this->Folder.File("") });
-  EXPECT_THROW(CheckOutputPlace(image, true), InputError); // one of a series, perhaps
+  EXPECT_THROW(CheckOutputPlace(image), InputError); // one of a series, perhaps
   this->Give({ this->Folder.File("result"), table });
   EXPECT_THROW(CheckNoInputWithin(this->Folder.File("result")), InputError);
   this->Give({ this->Folder.File("result"), image, "not a file" });

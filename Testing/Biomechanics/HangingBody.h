@@ -4,7 +4,7 @@
 #define mammoray_Testing_HangingBody_h
 
 #include "mammoray/Biomechanics/Plates.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 

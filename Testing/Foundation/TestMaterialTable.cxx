@@ -3,8 +3,7 @@
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

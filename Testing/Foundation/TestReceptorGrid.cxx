@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Foundation/ReceptorGrid.h"
+#include "mammoray/Foundation/Mammogram.h"
 
 #include <gtest/gtest.h>
 

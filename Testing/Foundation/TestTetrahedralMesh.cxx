@@ -2,7 +2,7 @@
 #include "LabelShapes.h"
 #include "Refusals.h"
 #include "TestMeshes.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
 #include "Refusals.h"
-#include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include "TestMeshes.h"
 #include "mammoray/Registration/RegistrationProblem.h"
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammoray/XRay/Beam.h"
 
 #include <gtest/gtest.h>

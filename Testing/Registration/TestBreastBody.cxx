@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "RegistrationTwin.h"
-#include "mammoray/Registration/BreastBody.h"
+#include "mammoray/Registration/BreastModel.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,8 +5,7 @@
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramPictureIO.h"
-#include "mammoray/Registration/MammogramMask.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/Private/MammogramMask.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
-#include "mammoray/Registration/ModelError.h"
 #include "mammoray/Registration/RegistrationResult.h"
 
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 #include "RegistrationTwin.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/Registration/PosedBreast.h"
+#include "mammoray/Registration/Private/Silhouette.h"
 
 #include <gtest/gtest.h>
 

@@ -129,7 +129,6 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     }
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
-    EXPECT_GT(result.After.Correlation, result.Before.Correlation);
     ASSERT_GE(result.Iterations.size(), 2u);
     EXPECT_LT(result.Iterations.back().Cost, result.Iterations.front().Cost);
     EXPECT_TRUE(std::isnan(result.StandardDeviations[VerticalParameter])); // fixed

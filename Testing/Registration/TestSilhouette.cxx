@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SurfaceShapes.h"
-#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/PosedBreast.h"
+#include "mammoray/Registration/Private/Silhouette.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
 #include "mammoray/Foundation/Error.h"
 

@@ -4,7 +4,7 @@
 #include "Files.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Dicom/DicomWriter.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include "Refusals.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <zlib.h>
 

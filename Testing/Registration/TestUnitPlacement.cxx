@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/UnitPlacement.h"
+#include "mammoray/Registration/BreastModel.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/Registration/ModelError.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammoray/Study/BreastInUnit.h"
 
 #include "vtkUnstructuredGrid.h"

@@ -5,7 +5,7 @@
 
 #include "Files.h"
 #include "mammoray/Dicom/DicomWriter.h"
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #define mammoray_LabelShapes_h
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <algorithm>
 #include <functional>

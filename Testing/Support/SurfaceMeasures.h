@@ -2,7 +2,7 @@
 #ifndef mammoray_Testing_SurfaceMeasures_h
 #define mammoray_Testing_SurfaceMeasures_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <cstdint>
 #include <utility>

@@ -3,7 +3,7 @@
 #ifndef mammoray_SurfaceShapes_h
 #define mammoray_SurfaceShapes_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <algorithm>
 #include <map>

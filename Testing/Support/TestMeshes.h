@@ -3,7 +3,7 @@
 #ifndef mammoray_TestMeshes_h
 #define mammoray_TestMeshes_h
 
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <array>
 #include <cmath>

@@ -54,7 +54,7 @@ public:
     image.Inconsistent.assign(image.NumberOfPixels(), 0);
     return image;
   }
-  PathLengthImage Project(const XRaySource&, const XRayDetector&, const std::vector<double>&, int,
+  PathLengthImage Project(const XRaySource&, const XRayDetector&, const VectorFields&,
     PathLengthDerivatives&) override
   {
     throw Error("no derivatives");

@@ -2,8 +2,7 @@
 // The projector for Python, without VTK. mammoray/_projection.py is what users call: it looks at
 // shapes and types before, so that what arrives here fits.
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/DualEnergy.h"

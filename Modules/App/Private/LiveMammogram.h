@@ -4,7 +4,7 @@
 
 #include "mammoray/App/ViewedBreast.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayAppModule.h"
 

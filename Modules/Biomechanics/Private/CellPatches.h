@@ -2,7 +2,7 @@
 #ifndef mammoray_CellPatches_h
 #define mammoray_CellPatches_h
 
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 
 #include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Biomechanics/SimulationCells.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 

@@ -7,7 +7,7 @@
 #include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
-#include "mammoray/Foundation/VectorFields.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <vector>
 

@@ -5,8 +5,8 @@
 #include "Private/EquilibriumSolver.h"
 #include "Private/InverseEquilibrium.h"
 #include "Private/SparseLu.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <vector>

@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -13,10 +14,10 @@ namespace mammoray
 {
 namespace
 {
-DcmElement& AddElement(DcmItem& data, const DcmTagKey& tag, DcmEVR representation)
+DcmElement& AddElement(DcmItem& data, const DcmTag& tag)
 {
   DcmElement* element = nullptr;
-  DcmItem::newDicomElementWithVR(element, DcmTag(tag, DcmVR(representation)));
+  DcmItem::newDicomElementWithVR(element, tag);
   if (!element || data.insert(element, OFTrue).bad())
   {
     delete element;
@@ -24,82 +25,64 @@ DcmElement& AddElement(DcmItem& data, const DcmTagKey& tag, DcmEVR representatio
   }
   return *element;
 }
-}
 
-void AddTexts(DcmItem& data, const std::vector<DicomTextElement>& elements)
+void Require(const OFCondition& done)
 {
-  for (const DicomTextElement& element : elements)
+  if (done.bad())
   {
-    AddElement(data, element.Tag, element.Representation).putString(element.Value.c_str());
+    throw InputError(std::string("DICOM: a value cannot be stored (") + done.text() + ")");
   }
 }
 
-void AddBytes(DcmItem& data, const DcmTagKey& tag, DcmEVR representation, const void* bytes,
-  std::size_t count)
+std::string DecimalStrings(const std::vector<double>& numbers)
 {
-  if (count > 0xfffffffe)
+  std::string text;
+  for (const double number : numbers)
   {
-    throw InputError(
-      "DICOM: expected at most 4294967294 bytes in a value, found " + std::to_string(count));
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.10g", number);
+    text.append(text.empty() ? "" : "\\").append(digits);
   }
-  DcmElement& element = AddElement(data, tag, representation);
-  const auto number = static_cast<unsigned long>(count);
-  OFCondition put;
-  switch (representation)
+  return text;
+}
+
+template <typename T>
+std::vector<T> Rounded(const std::vector<double>& numbers)
+{
+  std::vector<T> rounded;
+  for (const double number : numbers)
   {
-    case EVR_AT:
-      for (unsigned long index = 0; index < number / 4; ++index)
-      {
-        const auto* words = static_cast<const Uint16*>(bytes) + 2 * index;
-        put = element.putTagVal(DcmTagKey(words[0], words[1]), index);
-      }
-      break;
+    rounded.push_back(static_cast<T>(std::lround(number)));
+  }
+  return rounded;
+}
+
+OFCondition PutNumbers(DcmElement& element, const std::vector<double>& numbers)
+{
+  const auto count = static_cast<unsigned long>(numbers.size());
+  switch (element.getVR())
+  {
     case EVR_FL:
-    case EVR_OF:
-      put = element.putFloat32Array(static_cast<const Float32*>(bytes), number / 4);
-      break;
+      return element.putFloat32Array(std::vector<Float32>(numbers.begin(), numbers.end()).data(),
+        count);
     case EVR_FD:
-      put = element.putFloat64Array(static_cast<const Float64*>(bytes), number / 8);
-      break;
+      return element.putFloat64Array(numbers.data(), count);
     case EVR_SL:
-      put = element.putSint32Array(static_cast<const Sint32*>(bytes), number / 4);
-      break;
+      return element.putSint32Array(Rounded<Sint32>(numbers).data(), count);
     case EVR_UL:
-      put = element.putUint32Array(static_cast<const Uint32*>(bytes), number / 4);
-      break;
+      return element.putUint32Array(Rounded<Uint32>(numbers).data(), count);
     case EVR_SS:
-      put = element.putSint16Array(static_cast<const Sint16*>(bytes), number / 2);
-      break;
-    case EVR_OB:
-      put = element.putUint8Array(static_cast<const Uint8*>(bytes), number);
-      break;
+      return element.putSint16Array(Rounded<Sint16>(numbers).data(), count);
+    case EVR_US:
+      return element.putUint16Array(Rounded<Uint16>(numbers).data(), count);
     default:
-      put = element.putUint16Array(static_cast<const Uint16*>(bytes), number / 2);
-  }
-  if (put.bad())
-  {
-    throw InputError(std::string("DICOM: a value cannot be stored (") + put.text() + ")");
+      return element.putString(DecimalStrings(numbers).c_str());
   }
 }
 
-void AddFloats(DcmItem& data, const DcmTagKey& tag, const std::vector<float>& values)
+void AddItems(DcmItem& data, const DcmTag& tag, const std::vector<DcmItem>& items)
 {
-  AddBytes(data, tag, EVR_FL, values.data(), sizeof(float) * values.size());
-}
-
-void AddDoubles(DcmItem& data, const DcmTagKey& tag, const std::vector<double>& values)
-{
-  AddBytes(data, tag, EVR_FD, values.data(), sizeof(double) * values.size());
-}
-
-void AddShort(DcmItem& data, const DcmTagKey& tag, std::uint16_t value)
-{
-  AddBytes(data, tag, EVR_US, &value, sizeof value);
-}
-
-void AddSequence(DcmItem& data, const DcmTagKey& tag, const std::vector<DcmItem>& items)
-{
-  auto sequence = std::make_unique<DcmSequenceOfItems>(DcmTag(tag, DcmVR(EVR_SQ)));
+  auto sequence = std::make_unique<DcmSequenceOfItems>(tag);
   for (const DcmItem& item : items)
   {
     sequence->insert(new DcmItem(item));
@@ -111,79 +94,119 @@ void AddSequence(DcmItem& data, const DcmTagKey& tag, const std::vector<DcmItem>
   static_cast<void>(sequence.release()); // the data set's now
 }
 
+/// Adds an element for values that are `bytes` long.
+DcmElement& AddLong(DcmItem& data, const DcmTagKey& tag, DcmEVR representation, std::size_t bytes)
+{
+  if (bytes > 0xfffffffe)
+  {
+    throw InputError(
+      "DICOM: expected at most 4294967294 bytes in a value, found " + std::to_string(bytes));
+  }
+  return AddElement(data, DcmTag(tag, DcmVR(representation)));
+}
+}
+
+void Add(DcmItem& data, std::initializer_list<DicomElement> elements)
+{
+  for (const DicomElement& element : elements)
+  {
+    if (const auto* items = std::get_if<std::vector<DcmItem>>(&element.Value))
+    {
+      AddItems(data, element.Tag, *items);
+    }
+    else if (const auto* text = std::get_if<std::string>(&element.Value))
+    {
+      Require(AddElement(data, element.Tag).putString(text->c_str()));
+    }
+    else if (const auto& numbers = std::get<std::vector<double>>(element.Value); !numbers.empty())
+    {
+      Require(PutNumbers(AddElement(data, element.Tag), numbers));
+    }
+  }
+}
+
+DcmItem Item(std::initializer_list<DicomElement> elements)
+{
+  DcmItem item;
+  Add(item, elements);
+  return item;
+}
+
+void AddBulk(DcmItem& data, const DcmTagKey& tag, const std::vector<std::uint8_t>& values)
+{
+  Require(AddLong(data, tag, EVR_OB, values.size()).putUint8Array(values.data(), values.size()));
+}
+
+void AddBulk(DcmItem& data, const DcmTagKey& tag, const std::vector<std::uint16_t>& values)
+{
+  Require(
+    AddLong(data, tag, EVR_OW, 2 * values.size()).putUint16Array(values.data(), values.size()));
+}
+
+void AddBulk(DcmItem& data, const DcmTagKey& tag, const std::vector<float>& values)
+{
+  Require(
+    AddLong(data, tag, EVR_OF, 4 * values.size()).putFloat32Array(values.data(), values.size()));
+}
+
+void AddPixelDescription(DcmItem& data, int columns, int rows, int bits,
+  const std::string& photometric)
+{
+  Add(data,
+    { { DCM_SamplesPerPixel, 1 }, { DCM_PhotometricInterpretation, photometric },
+      { DCM_Rows, rows }, { DCM_Columns, columns }, { DCM_BitsAllocated, bits },
+      { DCM_BitsStored, bits }, { DCM_HighBit, bits - 1 }, { DCM_PixelRepresentation, 0 } });
+}
+
 DcmItem DicomCode(const std::string& value, const std::string& meaning, const std::string& scheme)
 {
-  DcmItem code;
-  AddTexts(code,
-    { { { 0x0008, 0x0100 }, EVR_SH, value }, { { 0x0008, 0x0102 }, EVR_SH, scheme },
-      { { 0x0008, 0x0104 }, EVR_LO, meaning } });
-  return code;
+  return Item({ { DCM_CodeValue, value }, { DCM_CodingSchemeDesignator, scheme },
+    { DCM_CodeMeaning, meaning } });
 }
 
 void AddCommon(DcmItem& data, const std::string& sopClassUid, const std::string& modality,
   const std::string& seriesDescription, const DicomIdentity& identity)
 {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char date[16];
-  char time[16];
-  std::strftime(date, sizeof date, "%Y%m%d", &local);
-  std::strftime(time, sizeof time, "%H%M%S", &local);
+  const std::string date = TimeNow("%Y%m%d");
+  const std::string time = TimeNow("%H%M%S");
   const bool newStudy = identity.StudyInstanceUid.empty();
-  AddTexts(data,
-    { { { 0x0008, 0x0016 }, EVR_UI, sopClassUid }, { { 0x0008, 0x0018 }, EVR_UI, NewUid() },
-      { { 0x0008, 0x0020 }, EVR_DA, newStudy ? date : identity.StudyDate },
-      { { 0x0008, 0x0023 }, EVR_DA, date },
-      { { 0x0008, 0x0030 }, EVR_TM, newStudy ? time : identity.StudyTime },
-      { { 0x0008, 0x0033 }, EVR_TM, time },
-      { { 0x0008, 0x0050 }, EVR_SH, identity.AccessionNumber },
-      { { 0x0008, 0x0060 }, EVR_CS, modality }, { { 0x0008, 0x0070 }, EVR_LO, "MammoRay" },
-      { { 0x0008, 0x0090 }, EVR_PN, identity.ReferringPhysicianName },
-      { { 0x0008, 0x103e }, EVR_LO, seriesDescription }, { { 0x0008, 0x1090 }, EVR_LO, "mammoray" },
-      { { 0x0010, 0x0010 }, EVR_PN, identity.PatientName },
-      { { 0x0010, 0x0020 }, EVR_LO, identity.PatientId },
-      { { 0x0010, 0x0030 }, EVR_DA, identity.PatientBirthDate },
-      { { 0x0010, 0x0040 }, EVR_CS, identity.PatientSex },
+  Add(data,
+    { { DCM_SOPClassUID, sopClassUid }, { DCM_SOPInstanceUID, NewUid() },
+      { DCM_StudyDate, newStudy ? date : identity.StudyDate }, { DCM_ContentDate, date },
+      { DCM_StudyTime, newStudy ? time : identity.StudyTime }, { DCM_ContentTime, time },
+      { DCM_AccessionNumber, identity.AccessionNumber }, { DCM_Modality, modality },
+      { DCM_Manufacturer, "MammoRay" },
+      { DCM_ReferringPhysicianName, identity.ReferringPhysicianName },
+      { DCM_SeriesDescription, seriesDescription }, { DCM_ManufacturerModelName, "mammoray" },
+      { DCM_PatientName, identity.PatientName }, { DCM_PatientID, identity.PatientId },
+      { DCM_PatientBirthDate, identity.PatientBirthDate }, { DCM_PatientSex, identity.PatientSex },
       // Software has no serial number; enhanced objects want a value.
-      { { 0x0018, 0x1000 }, EVR_LO, "none" }, { { 0x0018, 0x1020 }, EVR_LO, MAMMORAY_VERSION },
-      { { 0x0020, 0x000d }, EVR_UI, newStudy ? NewUid() : identity.StudyInstanceUid },
-      { { 0x0020, 0x000e }, EVR_UI, NewUid() }, { { 0x0020, 0x0010 }, EVR_SH, identity.StudyId },
-      { { 0x0020, 0x0011 }, EVR_IS, "1" }, { { 0x0020, 0x0013 }, EVR_IS, "1" } });
+      { DCM_DeviceSerialNumber, "none" }, { DCM_SoftwareVersions, MAMMORAY_VERSION },
+      { DCM_StudyInstanceUID, newStudy ? NewUid() : identity.StudyInstanceUid },
+      { DCM_SeriesInstanceUID, NewUid() }, { DCM_StudyID, identity.StudyId },
+      { DCM_SeriesNumber, 1 }, { DCM_InstanceNumber, 1 } });
   if (!identity.CharacterSet.empty())
   {
-    AddTexts(data, { { { 0x0008, 0x0005 }, EVR_CS, identity.CharacterSet } });
+    Add(data, { { DCM_SpecificCharacterSet, identity.CharacterSet } });
   }
 }
 
 DcmItem ImageReference(const DicomReference& image)
 {
-  DcmItem item;
-  AddTexts(item,
-    { { { 0x0008, 0x1150 }, EVR_UI, image.SopClassUid },
-      { { 0x0008, 0x1155 }, EVR_UI, image.SopInstanceUid } });
-  return item;
+  return Item({ { DCM_ReferencedSOPClassUID, image.SopClassUid },
+    { DCM_ReferencedSOPInstanceUID, image.SopInstanceUid } });
 }
 
-void AppendPixel(std::vector<float>& points, const std::array<double, 2>& pixel)
+void AppendPixel(std::vector<double>& points, const std::array<double, 2>& pixel)
 {
-  points.push_back(static_cast<float>(pixel[0] + 0.5));
-  points.push_back(static_cast<float>(pixel[1] + 0.5));
+  points.push_back(pixel[0] + 0.5);
+  points.push_back(pixel[1] + 0.5);
 }
 
 DcmItem SeriesReference(const DicomReference& image, const DcmTagKey& images)
 {
-  DcmItem series;
-  AddSequence(series, images, { ImageReference(image) });
-  AddTexts(series, { { { 0x0020, 0x000e }, EVR_UI, image.SeriesInstanceUid } });
-  return series;
-}
-
-std::string DecimalString(double value)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
+  return Item(
+    { { images, ImageReference(image) }, { DCM_SeriesInstanceUID, image.SeriesInstanceUid } });
 }
 
 std::string NewUid()
@@ -192,8 +215,22 @@ std::string NewUid()
   return dcmGenerateUniqueIdentifier(uid);
 }
 
+std::string TimeNow(const char* format)
+{
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[24];
+  std::strftime(text, sizeof text, format, &local);
+  return text;
+}
+
 void WriteDicom(DcmItem& data, const std::string& path)
 {
+  if (!dcmDataDict.isDictionaryLoaded())
+  {
+    throw Error("DICOM: expected DCMTK's data dictionary (dicom.dic), found none");
+  }
   const std::shared_ptr<void> quiet = SilenceDcmtk();
   DcmFileFormat file;
   for (unsigned long index = 0; index < data.card(); ++index)

@@ -19,10 +19,10 @@ DcmItem MammogramViewItem(const std::string& view);
 
 /// Pixel Intensity Relationship ("LIN" or "LOG") and its sign, with defaults for unknown values.
 const char* PixelRelationship(const Mammogram& mammogram);
-std::int16_t PixelRelationshipSign(const Mammogram& mammogram);
+int PixelRelationshipSign(const Mammogram& mammogram);
 
-/// Adds the Image Pixel module of one unsigned 16-bit value per pixel.
-void AddPixelDescription(DcmItem& data, const Mammogram& mammogram);
+/// Adds the description of the pixels, 16 bits, and their intent.
+void AddMammogramPixels(DcmItem& data, const Mammogram& mammogram);
 }
 
 #endif

@@ -3,7 +3,7 @@
 #define mammoray_Private_SliceStack_h
 
 #include "mammoray/Dicom/DicomHeader.h"
-#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 
 #include <string>
 #include <vector>

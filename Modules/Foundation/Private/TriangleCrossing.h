@@ -2,7 +2,7 @@
 #ifndef mammoray_TriangleCrossing_h
 #define mammoray_TriangleCrossing_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 
 #include <array>

@@ -2,7 +2,7 @@
 #ifndef mammoray_Private_VolumeFile_h
 #define mammoray_Private_VolumeFile_h
 
-#include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <cstdint>

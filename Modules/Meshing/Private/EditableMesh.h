@@ -2,7 +2,7 @@
 #ifndef mammoray_EditableMesh_h
 #define mammoray_EditableMesh_h
 
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayMeshingModule.h"
 
 #include <array>

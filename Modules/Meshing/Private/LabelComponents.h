@@ -2,7 +2,7 @@
 #ifndef mammoray_LabelComponents_h
 #define mammoray_LabelComponents_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

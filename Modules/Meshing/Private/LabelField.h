@@ -2,7 +2,7 @@
 #ifndef mammoray_LabelField_h
 #define mammoray_LabelField_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

@@ -2,7 +2,7 @@
 #ifndef mammoray_MeshQuality_h
 #define mammoray_MeshQuality_h
 
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

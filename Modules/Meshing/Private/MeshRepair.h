@@ -2,8 +2,8 @@
 #ifndef mammoray_MeshRepair_h
 #define mammoray_MeshRepair_h
 
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

@@ -2,7 +2,7 @@
 #ifndef mammoray_SimulationShape_h
 #define mammoray_SimulationShape_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
 #include <vector>

@@ -2,8 +2,8 @@
 #ifndef mammoray_TetGen_h
 #define mammoray_TetGen_h
 
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
 
 #include <array>
 #include <cstdint>

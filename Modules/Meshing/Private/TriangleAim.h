@@ -2,7 +2,7 @@
 #ifndef mammoray_TriangleAim_h
 #define mammoray_TriangleAim_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Meshing/MeshingOptions.h"
 #include "mammorayMeshingModule.h"
 

@@ -2,7 +2,7 @@
 #ifndef mammoray_VoxelMask_h
 #define mammoray_VoxelMask_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
 #include <functional>

@@ -4,7 +4,7 @@
 
 #include "Private/PixelMask.h"
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammorayRegistrationModule.h"
 
 #include <string>

@@ -2,8 +2,8 @@
 #ifndef mammoray_MeshVoxels_h
 #define mammoray_MeshVoxels_h
 
-#include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Meshes.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayRegistrationModule.h"
 
 namespace mammoray

@@ -2,6 +2,7 @@
 #include "Private/PictureResiduals.h"
 
 #include "Private/PictureFeatures.h"
+#include "Private/Silhouette.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchStart.h"
 
+#include "Private/Silhouette.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #ifndef mammoray_ItkImages_h
 #define mammoray_ItkImages_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoraySegmentationModule.h"
 
 #include <itkImage.h>

@@ -2,7 +2,7 @@
 #ifndef mammoray_SegmentationChecks_h
 #define mammoray_SegmentationChecks_h
 
-#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoraySegmentationModule.h"
 
 namespace mammoray

@@ -3,7 +3,7 @@
 
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/BreastPicture.h"

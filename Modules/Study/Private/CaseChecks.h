@@ -3,8 +3,8 @@
 #ifndef mammoray_Private_CaseChecks_h
 #define mammoray_Private_CaseChecks_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/ValidRange.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammorayStudyModule.h"
 

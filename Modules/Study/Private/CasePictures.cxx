@@ -6,8 +6,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MammogramPictureIO.h"
-#include "mammoray/Registration/MammogramMask.h"
-#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <cmath>
 #include <utility>

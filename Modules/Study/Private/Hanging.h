@@ -3,7 +3,6 @@
 #define mammoray_Hanging_h
 
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayStudyModule.h"
 
 #include <array>

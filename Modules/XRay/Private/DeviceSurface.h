@@ -3,7 +3,7 @@
 #define mammoray_DeviceSurface_h
 
 #include "Private/Buffer.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 
 #include <cstddef>
 #include <cstdint>

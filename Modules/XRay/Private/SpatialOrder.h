@@ -2,7 +2,7 @@
 #ifndef mammoray_SpatialOrder_h
 #define mammoray_SpatialOrder_h
 
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayXRayModule.h"
 
 #include <cstdint>

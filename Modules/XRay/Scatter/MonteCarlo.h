@@ -2,8 +2,8 @@
 #ifndef mammoray_MonteCarlo_h
 #define mammoray_MonteCarlo_h
 
-#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammoray/XRay/Scatter/AntiscatterGrid.h"

@@ -2,7 +2,6 @@
 """Options with values that nobody means: each is refused in a line or two, or the command does its work."""
 import json
 import os
-import re
 
 from program import COARSELY, Count
 
@@ -14,11 +13,11 @@ VALUES = ("", "-", "--", "-h", "=", "a=", "=a", "a=b", " 5", "5 ", "5mm", "1,5",
 
 def options_of(program, command):
     """[(name, how many values it takes)] of all that the command line takes."""
-    settings = json.loads(program.run("--print-schema").out)["$defs"][command]["properties"]
+    definitions = json.loads(program.run("--print-schema").out)["$defs"]
     found = []
-    for option in re.findall(r"^ {2}(?:-\w,)?(--[a-z][\w-]*)", program.run(command, "--help-all").out, re.MULTILINE):
-        setting = settings.get(option[2:], {"type": "boolean" if option == "--print-config" else "string"})
-        found.append((option, 0 if setting.get("type") == "boolean" else setting.get("minItems", 1)))
+    for option, setting in {**definitions[command]["properties"], **definitions["program"]["properties"]}.items():
+        if setting.get("shown", "").startswith("--") and "positional" not in setting:
+            found.append(("--" + option, 0 if setting.get("type") == "boolean" else setting.get("minItems", 1)))
     return found
 
 

@@ -5,7 +5,7 @@
 #include <mammoray/IO/LabelVolumeIO.h>
 #include <mammoray/IO/ShippedData.h>
 #include <mammoray/Registration/Registration.h>
-#include <mammoray/Registration/TargetPreparation.h>
+#include <mammoray/Registration/RegistrationTarget.h>
 
 #include <cmath>
 #include <cstdio>

@@ -43,11 +43,6 @@ MAMMORAYREGISTRATION_EXPORT void ExcludePectoral(const PectoralEdge& edge, int h
  * breast or more is that bright.
  */
 MAMMORAYREGISTRATION_EXPORT double ExcludeSaturated(RegistrationTarget& target);
-
-/// Excludes the pixels whose mask (rows x columns of the target) is not 0. Throws InputError if the
-/// number of pixels differs.
-MAMMORAYREGISTRATION_EXPORT void ExcludePixels(const std::vector<unsigned char>& mask,
-  RegistrationTarget& target);
 }
 
 #endif

@@ -2,37 +2,16 @@
 #ifndef mammoray_Silhouette_h
 #define mammoray_Silhouette_h
 
-#include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace mammoray
 {
-/// Shadow of a point of the gantry frame from the unit's focal spot; NaN at or above the spot.
-MAMMORAYREGISTRATION_EXPORT ReceptorPoint ShadowOf(const Vector3& gantry,
-  const MammographyUnit& unit);
-
-/**
- * Projects points from the unit's focal spot onto the receptor plane.
- * `points`: 3 x pointCount, volume frame, mm. Points at or above the focal spot become NaN.
- */
-MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
-  const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit);
-
-/**
- * Velocities of the projections of points, mm per unit of a parameter. `velocities`: of the points
- * relative to the unit, 3 x pointCount, volume frame, mm per unit.
- */
-MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ReceptorVelocities(
-  const std::vector<double>& points, std::span<const double> velocities,
-  const VolumeFromGantry& placed, const MammographyUnit& unit);
-
 /// Edges of a surface between skin and air, each once, as pairs of point indices.
 MAMMORAYREGISTRATION_EXPORT std::vector<std::array<std::uint32_t, 2>> OuterEdges(
   const SurfaceMesh& surface);

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_VolumeGrid_h
-#define mammoray_VolumeGrid_h
+#ifndef mammoray_Volumes_h
+#define mammoray_Volumes_h
 
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -58,6 +62,35 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
   /// Throws InputError unless sizes, spacing, origin and direction form a grid of `voxelCount`
   /// voxels.
   void ValidateGrid(const std::string& name, std::size_t voxelCount) const;
+};
+
+/// A segmented volume.
+struct MAMMORAYFOUNDATION_EXPORT LabelVolume : VolumeGrid
+{
+  /// Labels, i fastest; Size[0] * Size[1] * Size[2] values.
+  std::vector<std::uint16_t> Voxels;
+
+  std::size_t NumberOfVoxels() const { return this->Voxels.size(); }
+  /// Label of the voxel that contains the position (mm, volume frame); 0 outside the volume.
+  std::uint16_t LabelAt(const Vector3& point) const;
+  /// Number of voxels of every label that occurs.
+  std::map<int, std::size_t> CountLabels() const;
+  /// Throws InputError if sizes, spacing, direction and number of voxels do not form a volume.
+  void Validate(const std::string& name) const;
+};
+
+/// A scanned volume, for example an MRI, in the unit of its source.
+struct MAMMORAYFOUNDATION_EXPORT IntensityVolume : VolumeGrid
+{
+  /// Intensities, i fastest; Size[0] * Size[1] * Size[2] values.
+  std::vector<float> Voxels;
+
+  /// Trilinear interpolation between voxel centres at a position (mm, volume frame); no value more
+  /// than half a voxel outside the grid.
+  std::optional<float> ValueAt(const Vector3& point) const;
+  /// Throws InputError if the grid is invalid, or if a value is not finite; the message contains
+  /// its voxel.
+  void Validate(const std::string& name) const;
 };
 }
 

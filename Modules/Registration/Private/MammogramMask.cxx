@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/MammogramMask.h"
-
-#include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "Private/MammogramMask.h"
 
 #include <algorithm>
 #include <cmath>
@@ -254,22 +251,5 @@ double ExcludeSaturated(RegistrationTarget& target)
     }
   }
   return area;
-}
-
-void ExcludePixels(const std::vector<unsigned char>& mask, RegistrationTarget& target)
-{
-  if (mask.size() != target.BreastMask.size())
-  {
-    throw InputError("mask: expected a value for each of " +
-      std::to_string(target.BreastMask.size()) + " pixels, found " + std::to_string(mask.size()));
-  }
-  AllowExclusion(target);
-  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
-  {
-    if (mask[pixel] != 0)
-    {
-      target.Excluded[pixel] = 1;
-    }
-  }
 }
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/Silhouette.h"
+#include "Private/Silhouette.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace mammoray
@@ -17,46 +16,6 @@ double Cross(const ReceptorPoint& a, const ReceptorPoint& b)
 {
   return a[0] * b[1] - a[1] * b[0];
 }
-}
-
-ReceptorPoint ShadowOf(const Vector3& gantry, const MammographyUnit& unit)
-{
-  const auto [x, y, sid] = unit.FocalSpot();
-  const double magnification =
-    gantry[2] < sid ? sid / (sid - gantry[2]) : std::numeric_limits<double>::quiet_NaN();
-  return { x + magnification * (gantry[0] - x), y + magnification * (gantry[1] - y) };
-}
-
-std::vector<ReceptorPoint> ProjectToReceptor(const std::vector<double>& points,
-  const VolumeFromGantry& placed, const MammographyUnit& unit)
-{
-  std::vector<ReceptorPoint> projected(points.size() / 3);
-  for (std::size_t index = 0; index < projected.size(); ++index)
-  {
-    projected[index] = ShadowOf(
-      placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] }), unit);
-  }
-  return projected;
-}
-
-std::vector<ReceptorPoint> ReceptorVelocities(const std::vector<double>& points,
-  std::span<const double> velocities, const VolumeFromGantry& placed, const MammographyUnit& unit)
-{
-  std::vector<ReceptorPoint> moved(points.size() / 3);
-  const auto [x, y, sid] = unit.FocalSpot();
-  for (std::size_t index = 0; index < moved.size(); ++index)
-  {
-    const Vector3 gantry =
-      placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] });
-    const Vector3 velocity{ velocities[3 * index], velocities[3 * index + 1],
-      velocities[3 * index + 2] };
-    const double magnification = sid / (sid - gantry[2]);
-    // d magnification = magnification^2 / sid dz
-    const double growth = magnification * magnification / sid * Dot(velocity, placed.Z);
-    moved[index] = { magnification * Dot(velocity, placed.X) + growth * (gantry[0] - x),
-      magnification * Dot(velocity, placed.Y) + growth * (gantry[1] - y) };
-  }
-  return moved;
 }
 
 std::vector<std::array<std::uint32_t, 2>> OuterEdges(const SurfaceMesh& surface)

@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What is written of the options, out of their declarations (mammoray --print-schema).
+
+usage: writeReference.py MAMMORAY FOLDER          FOLDER/man1, manual pages of the program and each command; FOLDER/completion, for bash
+       writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/options.md
+"""
+import gzip
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+
+class Option:
+    def __init__(self, name, setting):
+        self.name, self.setting = name, setting
+        one = setting["anyOf"][0] if "anyOf" in setting else setting.get("items", setting)
+        self.words = one.get("enum", [])
+        self.only_in_file = setting["shown"] == "case file"
+        self.range = ""
+        if "maximum" in one:
+            self.range = f"from {one['minimum']:g} to {one['maximum']:g}"
+        elif "exclusiveMinimum" in one:
+            self.range = f"greater than {one['exclusiveMinimum']:g}"
+        elif "minimum" in one:
+            self.range = f"not less than {one['minimum']:g}"
+        self.value = setting.get("value", "")
+        self.help = setting["description"].removesuffix(f" [{self.value}]")
+        default = setting.get("default", "")
+        self.default = json.dumps(default, separators=(",", ":")) if isinstance(default, list) else str(default)
+
+    def spellings(self):
+        """["-o", "--output"], or the bare name of what has no dashes."""
+        if self.only_in_file or "positional" in self.setting:
+            return [self.name]
+        return ["-" + letter for letter in [self.setting.get("short")] if letter] + ["--" + self.name]
+
+    def remark(self):
+        """" (greater than 0; default 50)", or nothing."""
+        remarks = [self.range, self.default and "default " + self.default, "mandatory" in self.setting and "required"]
+        return f" ({'; '.join(filter(None, remarks))})" if any(remarks) else ""
+
+
+def commands_of(schema):
+    """Name and definition of each."""
+    return [(name, definition) for name, definition in schema["$defs"].items() if name != "program"]
+
+
+def options_of(definition):
+    return [Option(name, setting) for name, setting in definition["properties"].items() if "shown" in setting]
+
+
+def all_options(schema, definition):
+    return options_of(definition) + options_of(schema["$defs"]["program"])
+
+
+def purpose(definition):
+    return definition["description"].split("\n")[0].rstrip(".:")
+
+
+def roff(text):
+    """Text as roff takes it: no hyphen that breaks an option, no line that is a request."""
+    return re.sub(r"^([.'])", r"\\&\1", text.replace("\\", "\\e").replace("-", "\\-"), flags=re.MULTILINE)
+
+
+def head(name, what, version):
+    return f'.TH {roff(name).upper()} 1 "" "{version}" "User Commands"\n.SH NAME\n{roff(name)} \\- {roff(what)}\n'
+
+
+def command_page(schema, name, version):
+    definition = schema["$defs"][name]
+    page = (head("mammoray-" + name, purpose(definition), version) + f".SH SYNOPSIS\n\\fBmammoray {roff(name)}\\fR [\\fIOPTIONS\\fR]\n"
+            f".SH DESCRIPTION\n{roff(definition['description'])}\n")
+    sections = {}
+    for option in all_options(schema, definition):
+        heading = "Settings of the case file (--config)" if option.only_in_file else option.setting.get("group", "Options")
+        value = "|".join(option.words) or option.value
+        entry = (", ".join(f"\\fB{roff(spelling)}\\fR" for spelling in option.spellings()) + (f" \\fI{roff(value)}\\fR" if value else "")
+                 + f"{roff(option.remark())}\n{roff(option.help)}\n")
+        sections[heading] = sections.get(heading, "") + ".TP\n" + entry
+    for heading, text in sections.items():
+        page += f".SH {roff(heading.upper())}\n{text}"
+    return page + f".SH EXAMPLE\n{roff(definition['example'].removeprefix('Example: '))}\n.SH SEE ALSO\n\\fBmammoray\\fR(1)\n"
+
+
+def program_page(schema, version):
+    commands = commands_of(schema)
+    listed = "".join(f".TP\n\\fB{roff(name)}\\fR\n{roff(purpose(definition))}\n" for name, definition in commands)
+    return (head("mammoray", "synthetic X-rays of meshes, registration of breast MRI with mammograms", version)
+            + ".SH SYNOPSIS\n\\fBmammoray\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n"
+            + f"{roff(schema['$defs']['program']['description'])}\n.SH COMMANDS\n{listed}"
+            ".SH EXIT STATUS\n0: done; 1: refused or failed, with one line that says why; 2: wrong usage.\n"
+            ".SH ENVIRONMENT\n.TP\n\\fBMAMMORAY_DEVICE\\fR\npart of the name of the Vulkan device to use\n"
+            ".TP\n\\fBMAMMORAY_DATA\\fR\nfolder of attenuation tables, spectra and material tables in place of the shipped one\n"
+            ".SH SEE ALSO\n" + ", ".join(f"\\fBmammoray\\-{name}\\fR(1)" for name, _ in commands) + "\n")
+
+
+COMPLETION = r"""# bash completion for mammoray
+_mammoray() {
+  local current=${COMP_WORDS[COMP_CWORD]} words='' options=''
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    mapfile -t COMPREPLY < <(compgen -W '@commands@ --help --version' -- "$current")
+    return
+  fi
+  case "${COMP_WORDS[1]} ${COMP_WORDS[COMP_CWORD-1]}" in
+@words@  esac
+  case "${COMP_WORDS[1]}" in
+@options@  esac
+  if [ -n "$words" ]; then
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+  elif [[ $current == -* ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
+  fi
+} && complete -o default -F _mammoray mammoray
+"""
+
+
+def completion(schema):
+    words = options = ""
+    for name, definition in commands_of(schema):
+        shown = [option for option in all_options(schema, definition) if not option.only_in_file]
+        for option in shown:
+            for spelling in option.spellings() if option.words else []:
+                words += f"    '{name} {spelling}') words='{' '.join(option.words)}' ;;\n"
+        names = ["--help", "--help-all"] + [spelling for option in shown for spelling in option.spellings()]
+        options += f"    {name}) options='{' '.join(names)}' ;;\n"
+    return (COMPLETION.replace("@commands@", " ".join(name for name, _ in commands_of(schema)))
+            .replace("@words@", words).replace("@options@", options))
+
+
+def cell(text):
+    """As Markdown shows it in a table, and Doxygen, to which @ begins a command."""
+    return re.sub(r"([|@])", r"\\\1", text)
+
+
+def row(options):
+    """Of an option of several commands the default stands where it is the same in all."""
+    option = options[0]
+    default = option.default if all(other.default == option.default for other in options) else "by command"
+    values = ", ".join(filter(None, [", ".join(option.words) or option.value, option.range]))
+    meaning = option.help + (" (required)" if "mandatory" in option.setting and len(options) == 1 else "")
+    shown = option.setting["shown"]
+    return (f"| `{','.join(option.spellings())}` | {cell(values)} | {cell(default)} | {cell(meaning)} | "
+            + (shown if option.only_in_file else f"`{shown}`") + " |")
+
+
+def table(rows, column=""):
+    return f"\n| option | value | default | meaning | shown in |{column}\n|---|---|---|---|---|{column and '---|'}\n" + "".join(rows)
+
+
+def tables(schema):
+    program = options_of(schema["$defs"]["program"])
+    uses = {}
+    for name, definition in commands_of(schema):
+        for option in options_of(definition):
+            uses.setdefault((option.name, option.help), []).append((name, option))
+    shared, others = [], ""
+    for name, definition in commands_of(schema):
+        own = []
+        for option in options_of(definition):
+            use = uses[option.name, option.help]
+            line = row([each for _, each in use])
+            if len(use) == 1:
+                own.append(line + "\n")
+            elif use[0][0] == name:
+                shared.append(f"{line} {', '.join(by for by, _ in use)} |\n")
+        others += f"\n## {name}\n" + (table(own) if own else "\nShared options only.\n")
+    offered = len(program) + sum(map(len, uses.values()))
+    return (f"# Options\n\nMade by `Applications/mammoray/writeReference.py` from the declared options. {len(program) + len(uses)} options; "
+            f"those of several commands counted for each, {offered}.\n"
+            "The case file (`--config FILE.json`) takes all of them by name without dashes; those shown in \"case file\" are set there only.\n"
+            "\n## Of every command\n" + table([row([option]) + "\n" for option in program])
+            + "\n## Shared by several commands\n" + table(shared, " commands |") + others)
+
+
+def main():
+    program, *words = sys.argv[1:]
+
+    def printed(option):
+        return subprocess.run([program, option], check=True, capture_output=True, text=True).stdout
+
+    text = printed("--print-schema")
+    schema = json.loads(text)
+    if words[0] == "--update":
+        root = pathlib.Path(words[1])
+        (root / "Data/case.schema.json").write_text(text)
+        (root / "docs/options.md").write_text(tables(schema))
+        return
+    folder = pathlib.Path(words[0])
+    pages = folder / "man1"
+    pages.mkdir(parents=True, exist_ok=True)
+    version = printed("--version").strip().replace("mammoray", "MammoRay")
+
+    def write(name, page):
+        (pages / f"{name}.1.gz").write_bytes(gzip.compress(page.encode(), mtime=0))
+
+    write("mammoray", program_page(schema, version))
+    for name, _ in commands_of(schema):
+        write(f"mammoray-{name}", command_page(schema, name, version))
+    (folder / "completion").write_text(completion(schema))
+
+
+if __name__ == "__main__":
+    main()
