@@ -67,7 +67,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   add.Input("--check", arguments.Check,
     "check this mesh or surface instead of making one\n(.vtu, legacy .vtk, .vtp .stl .ply .obj "
     ".glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
-    "of trouble)");
+    "of defect)");
   add("--report", arguments.Report,
     "write volumes, cell quality and troubles with their places (.json)");
   add("--picture", arguments.Picture, "draw histograms of the cells' quality (.png)");
@@ -222,7 +222,7 @@ void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
     check.Triangles);
 }
 
-/// Every trouble on a line of its own; those of a mesh that is not sound end in exit code 1.
+/// Every defect on a line of its own; those of a mesh that is not sound end in exit code 1.
 void RunCheck(const MeshArguments& arguments)
 {
   CheckInputFile(arguments.Check);
@@ -247,11 +247,11 @@ void RunCheck(const MeshArguments& arguments)
   }
   WriteReportFiles(arguments, CheckReport(check, names), check, names, grid);
   PrintCheck(check, names);
-  for (const MeshTrouble& trouble : check.Troubles)
+  for (const MeshDefect& defect : check.Defects)
   {
     // The last is told as the error that it is.
-    const ConvergenceError error(arguments.Check + ": " + trouble.Text(names));
-    if (&trouble == &check.Troubles.back())
+    const ConvergenceError error(arguments.Check + ": " + defect.Text(names));
+    if (&defect == &check.Defects.back())
     {
       throw error;
     }

@@ -4,7 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
 #ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/SurfaceVoxels.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
 #endif
 
 #include <cstdio>

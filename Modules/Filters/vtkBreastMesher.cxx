@@ -10,7 +10,7 @@
 #include "mammoray/IO/ShippedData.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #endif
 
 #include "vtkDoubleArray.h"

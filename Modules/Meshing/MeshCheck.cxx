@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/MeshCheck.h"
 
-#include "Private/MeshQuality.h"
+#include "Private/MeshingSteps.h"
 #include "mammoray/Foundation/FaceTable.h"
 #include "mammoray/Foundation/SurfaceOverlap.h"
 
@@ -17,45 +17,45 @@ namespace mammoray
 {
 namespace
 {
-using Kind = MeshTrouble::Kind;
+using Kind = MeshDefect::Kind;
 
 /// Collects defects, one entry per kind.
-class TroubleList
+class DefectList
 {
 public:
-  void Add(Kind kind, const MeshTrouble::Place& place)
+  void Add(Kind kind, const MeshDefect::Place& place)
   {
-    MeshTrouble& trouble = this->ByKind[kind];
-    trouble.What = kind;
-    ++trouble.Count;
-    if (kind == Kind::Holes || trouble.Places.size() < MeshTrouble::MostPlaces)
+    MeshDefect& defect = this->ByKind[kind];
+    defect.What = kind;
+    ++defect.Count;
+    if (kind == Kind::Holes || defect.Places.size() < MeshDefect::MostPlaces)
     {
-      trouble.Places.push_back(place);
+      defect.Places.push_back(place);
     }
   }
   /// Adds a defect that was counted elsewhere.
-  void AddCounted(Kind kind, std::size_t count, const std::vector<MeshTrouble::Place>& places)
+  void AddCounted(Kind kind, std::size_t count, const std::vector<MeshDefect::Place>& places)
   {
     if (count > 0)
     {
       this->ByKind[kind] = { kind, count, places };
     }
   }
-  std::vector<MeshTrouble> Finish()
+  std::vector<MeshDefect> Finish()
   {
-    std::vector<MeshTrouble> list;
-    for (auto& [kind, trouble] : this->ByKind)
+    std::vector<MeshDefect> list;
+    for (auto& [kind, defect] : this->ByKind)
     {
-      std::stable_sort(trouble.Places.begin(), trouble.Places.end(),
+      std::stable_sort(defect.Places.begin(), defect.Places.end(),
         [](const auto& a, const auto& b) { return a.LengthMm > b.LengthMm; });
-      trouble.Places.resize(std::min(trouble.Places.size(), MeshTrouble::MostPlaces));
-      list.push_back(trouble);
+      defect.Places.resize(std::min(defect.Places.size(), MeshDefect::MostPlaces));
+      list.push_back(defect);
     }
     return list;
   }
 
 private:
-  std::map<Kind, MeshTrouble> ByKind;
+  std::map<Kind, MeshDefect> ByKind;
 };
 
 /// Pinched edges and points, each recorded once even if several materials are pinched there.
@@ -70,11 +70,11 @@ class BoundaryCheck
 {
 public:
   BoundaryCheck(const SurfaceMesh& surface, int material, PinchedPlaces& pinched,
-    TroubleList& troubles)
+    DefectList& defects)
     : Surface(surface)
     , Material(material)
     , Pinched(pinched)
-    , Troubles(troubles)
+    , Defects(defects)
   {
     for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
     {
@@ -202,7 +202,7 @@ private:
     const std::uint32_t next = Next(edge.Corner);
     if (this->Pinched.Edges.insert(edge.Key).second)
     {
-      this->Troubles.Add(Kind::Pinches,
+      this->Defects.Add(Kind::Pinches,
         { 0.5 * (this->Point(edge.Corner) + this->Point(next)), this->Material, 0 });
     }
     this->Pinched.Points.insert({ this->Corners[edge.Corner], this->Corners[next] });
@@ -220,7 +220,7 @@ private:
       const auto [entry, first] = fanOf.emplace(id, fan);
       if (!first && entry->second != fan && this->Pinched.Points.insert(id).second)
       {
-        this->Troubles.Add(Kind::Pinches, { this->PointOf(id), this->Material, 0 });
+        this->Defects.Add(Kind::Pinches, { this->PointOf(id), this->Material, 0 });
       }
     }
   }
@@ -240,12 +240,12 @@ private:
     {
       joined.Join(placeOf(edge.Key >> 32), placeOf(edge.Key & 0xffffffff));
     }
-    std::map<std::uint32_t, MeshTrouble::Place> holes;
+    std::map<std::uint32_t, MeshDefect::Place> holes;
     for (const HalfEdge& edge : open)
     {
       const Vector3 a = this->PointOf(static_cast<std::uint32_t>(edge.Key >> 32));
       const Vector3 b = this->PointOf(static_cast<std::uint32_t>(edge.Key));
-      MeshTrouble::Place& hole = holes[joined.Root(placeOf(edge.Key >> 32))];
+      MeshDefect::Place& hole = holes[joined.Root(placeOf(edge.Key >> 32))];
       const double length = Norm(b - a);
       hole.Material = this->Material;
       hole.LengthMm += length;
@@ -254,20 +254,20 @@ private:
     for (auto& [root, hole] : holes)
     {
       hole.Point = hole.LengthMm > 0 ? (1 / hole.LengthMm) * hole.Point : hole.Point;
-      this->Troubles.Add(Kind::Holes, hole);
+      this->Defects.Add(Kind::Holes, hole);
     }
   }
 
   const SurfaceMesh& Surface;
   int Material;
   PinchedPlaces& Pinched;
-  TroubleList& Troubles;
+  DefectList& Defects;
   /// Point of every corner of the triangles that bound the material.
   std::vector<std::uint32_t> Corners;
   std::vector<HalfEdge> Edges;
 };
 
-void FindCoincidentPoints(const std::vector<double>& points, TroubleList& troubles)
+void FindCoincidentPoints(const std::vector<double>& points, DefectList& defects)
 {
   const auto at = [&points](std::uint32_t id)
   {
@@ -282,12 +282,12 @@ void FindCoincidentPoints(const std::vector<double>& points, TroubleList& troubl
   {
     if (at(order[n - 1]) == at(order[n]))
     {
-      troubles.Add(Kind::CoincidentPoints, { at(order[n]), -1, 0 });
+      defects.Add(Kind::CoincidentPoints, { at(order[n]), -1, 0 });
     }
   }
 }
 
-void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
+void FindUnusedPoints(const TetrahedralMesh& mesh, DefectList& defects)
 {
   std::vector<char> used(mesh.NumberOfPoints(), 0);
   for (const std::int32_t id : mesh.Cells)
@@ -298,14 +298,14 @@ void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
   {
     if (!used[point])
     {
-      troubles.Add(Kind::UnusedPoints, { mesh.Point(point), -1, 0 });
+      defects.Add(Kind::UnusedPoints, { mesh.Point(point), -1, 0 });
     }
   }
 }
 
 /// Finds faces of more than two cells and of two cells on the same side. Returns true if there are
 /// none.
-bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
+bool CheckFaces(const TetrahedralMesh& mesh, DefectList& defects)
 {
   bool good = true;
   FaceTable faces(mesh);
@@ -316,7 +316,7 @@ bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
         (same.size() == 2 && !faces.OnDifferentSides(same[0].Face, same[1].Face)))
       {
         const std::size_t cell = same.back().Face / 4;
-        troubles.Add(Kind::OverlappingCells, { mesh.CellCentre(cell), mesh.Materials[cell], 0 });
+        defects.Add(Kind::OverlappingCells, { mesh.CellCentre(cell), mesh.Materials[cell], 0 });
         good = false;
       }
     });
@@ -345,7 +345,7 @@ void CheckIndices(const TetrahedralMesh& mesh)
 }
 
 /// Measures volume and quality by material and records inverted cells.
-std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, TroubleList& troubles)
+std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, DefectList& defects)
 {
   std::map<int, MaterialQuality> qualities;
   const auto count = [](std::vector<std::size_t>& histogram, double place, std::size_t bins)
@@ -361,7 +361,7 @@ std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, Trouble
     quality.VolumeMm3 += volume;
     if (!(volume > 0))
     {
-      troubles.Add(Kind::InvertedCells, { mesh.CellCentre(cell), quality.Material, 0 });
+      defects.Add(Kind::InvertedCells, { mesh.CellCentre(cell), quality.Material, 0 });
     }
     const double dihedral = SmallestDihedralDeg(mesh, cell);
     const double ratio = RadiusEdgeRatio(mesh, cell);
@@ -385,7 +385,7 @@ std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, Trouble
 
 /// Checks the boundaries of all materials; that of air comes last, and is closed if all others are.
 void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>& qualities,
-  bool measureVolumes, TroubleList& troubles, const ProgressCallback& progress)
+  bool measureVolumes, DefectList& defects, const ProgressCallback& progress)
 {
   std::set<int> materials(surface.BackMaterials.begin(), surface.BackMaterials.end());
   materials.insert(surface.FrontMaterials.begin(), surface.FrontMaterials.end());
@@ -397,7 +397,7 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
   {
     ReportProgress(progress, 0.4 + 0.6 * static_cast<double>(done++) / order.size(),
       "checking boundaries");
-    BoundaryCheck check(surface, material, pinched, troubles);
+    BoundaryCheck check(surface, material, pinched, defects);
     check.Run();
     if (material == 0)
     {
@@ -415,20 +415,19 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
 }
 
 /// Finds intersecting triangles and parts inside each other.
-void CheckOverlap(const SurfaceMesh& surface, TroubleList& troubles,
-  const ProgressCallback& progress)
+void CheckOverlap(const SurfaceMesh& surface, DefectList& defects, const ProgressCallback& progress)
 {
   const TriangleTree tree(surface);
   const SurfaceOverlap overlap = FindOverlap(surface, tree, progress);
-  std::vector<MeshTrouble::Place> crossings;
+  std::vector<MeshDefect::Place> crossings;
   for (std::size_t n = 0; n < overlap.CrossingPlaces.size(); ++n)
   {
     crossings.push_back({ overlap.CrossingPlaces[n], overlap.CrossingMaterials[n], 0 });
   }
-  troubles.AddCounted(Kind::Crossings, overlap.Crossings, crossings);
+  defects.AddCounted(Kind::Crossings, overlap.Crossings, crossings);
   for (const bool negative : { false, true })
   {
-    std::vector<MeshTrouble::Place> places;
+    std::vector<MeshDefect::Place> places;
     for (const SurfaceContradiction& stretch : overlap.Contradictions)
     {
       if (stretch.Negative == negative)
@@ -437,19 +436,19 @@ void CheckOverlap(const SurfaceMesh& surface, TroubleList& troubles,
           stretch.LengthMm });
       }
     }
-    troubles.AddCounted(negative ? Kind::InsideOutParts : Kind::DoubledParts,
+    defects.AddCounted(negative ? Kind::InsideOutParts : Kind::DoubledParts,
       negative ? overlap.NegativeParts : overlap.DoubledParts, places);
   }
 }
 
 MeshCheck Finish(MeshCheck&& check, const std::map<int, MaterialQuality>& qualities,
-  TroubleList& troubles, const ProgressCallback& progress)
+  DefectList& defects, const ProgressCallback& progress)
 {
   for (const auto& [material, quality] : qualities)
   {
     check.Materials.push_back(quality);
   }
-  check.Troubles = troubles.Finish();
+  check.Defects = defects.Finish();
   ReportProgress(progress, 1.0, "checking boundaries");
   return std::move(check);
 }
@@ -482,7 +481,7 @@ const char* Describe(Kind kind)
 }
 }
 
-std::string MeshTrouble::Text(const std::vector<std::string>& names) const
+std::string MeshDefect::Text(const std::vector<std::string>& names) const
 {
   std::string text = std::to_string(this->Count) + " " + Describe(this->What) + ": ";
   constexpr std::size_t shown = 3;
@@ -511,14 +510,14 @@ std::string MeshTrouble::Text(const std::vector<std::string>& names) const
 
 bool MeshCheck::Sound() const
 {
-  return this->Troubles.empty();
+  return this->Defects.empty();
 }
 
-const MeshTrouble* MeshCheck::Find(MeshTrouble::Kind kind) const
+const MeshDefect* MeshCheck::Find(MeshDefect::Kind kind) const
 {
-  const auto found = std::find_if(this->Troubles.begin(), this->Troubles.end(),
-    [kind](const MeshTrouble& trouble) { return trouble.What == kind; });
-  return found == this->Troubles.end() ? nullptr : &*found;
+  const auto found = std::find_if(this->Defects.begin(), this->Defects.end(),
+    [kind](const MeshDefect& defect) { return defect.What == kind; });
+  return found == this->Defects.end() ? nullptr : &*found;
 }
 
 MeshCheck CheckMesh(const TetrahedralMesh& mesh, const ProgressCallback& progress)
@@ -528,19 +527,19 @@ MeshCheck CheckMesh(const TetrahedralMesh& mesh, const ProgressCallback& progres
   MeshCheck check;
   check.Points = mesh.NumberOfPoints();
   check.Cells = mesh.NumberOfCells();
-  TroubleList troubles;
-  FindCoincidentPoints(mesh.Points, troubles);
-  FindUnusedPoints(mesh, troubles);
-  auto qualities = MeasureCells(mesh, troubles);
+  DefectList defects;
+  FindCoincidentPoints(mesh.Points, defects);
+  FindUnusedPoints(mesh, defects);
+  auto qualities = MeasureCells(mesh, defects);
   ReportProgress(progress, 0.2, "checking cells");
-  if (CheckFaces(mesh, troubles))
+  if (CheckFaces(mesh, defects))
   {
     ReportProgress(progress, 0.3, "checking boundaries");
     const SurfaceMesh surface = ExtractInterfaces(mesh);
     check.Triangles = surface.NumberOfTriangles();
-    CheckBoundaries(surface, qualities, false, troubles, progress);
+    CheckBoundaries(surface, qualities, false, defects, progress);
   }
-  return Finish(std::move(check), qualities, troubles, progress);
+  return Finish(std::move(check), qualities, defects, progress);
 }
 
 MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progress)
@@ -550,7 +549,7 @@ MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progr
   MeshCheck check;
   check.Points = surface.NumberOfPoints();
   check.Triangles = surface.NumberOfTriangles();
-  TroubleList troubles;
+  DefectList defects;
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
   {
     Vector3 corner[3];
@@ -561,12 +560,12 @@ MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progr
     }
     if (Norm(Cross(corner[1] - corner[0], corner[2] - corner[0])) == 0)
     {
-      troubles.Add(Kind::FlatTriangles, { corner[0], surface.BackMaterials[triangle], 0 });
+      defects.Add(Kind::FlatTriangles, { corner[0], surface.BackMaterials[triangle], 0 });
     }
   }
   std::map<int, MaterialQuality> qualities;
-  CheckBoundaries(surface, qualities, true, troubles, ShareOf(progress, 0, 0.6));
-  CheckOverlap(surface, troubles, ShareOf(progress, 0.6, 1));
-  return Finish(std::move(check), qualities, troubles, progress);
+  CheckBoundaries(surface, qualities, true, defects, ShareOf(progress, 0, 0.6));
+  CheckOverlap(surface, defects, ShareOf(progress, 0.6, 1));
+  return Finish(std::move(check), qualities, defects, progress);
 }
 }

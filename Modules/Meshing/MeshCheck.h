@@ -12,7 +12,7 @@
 namespace mammoray
 {
 /// A kind of defect of a mesh, with the places where it was found.
-struct MAMMORAYMESHING_EXPORT MeshTrouble
+struct MAMMORAYMESHING_EXPORT MeshDefect
 {
   enum class Kind
   {
@@ -99,12 +99,12 @@ struct MAMMORAYMESHING_EXPORT MeshCheck
   /// Materials, ascending, without air.
   std::vector<MaterialQuality> Materials;
   /// Defects, one entry per kind found, in the order of the enumeration.
-  std::vector<MeshTrouble> Troubles;
+  std::vector<MeshDefect> Defects;
 
   /// True if no defect was found.
   bool Sound() const;
   /// The entry of this kind, or null.
-  const MeshTrouble* Find(MeshTrouble::Kind kind) const;
+  const MeshDefect* Find(MeshDefect::Kind kind) const;
 };
 
 /// Checks a mesh for X-rays and mechanics: cells are not inverted and are connected face to face,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/SimulationMesh.h"
-
 #include "Private/SimulationShape.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Meshing/LabelMesher.h"
 
 #include <chrono>
 #include <cmath>

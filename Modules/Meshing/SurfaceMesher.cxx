@@ -6,12 +6,11 @@
 #include "Private/PinchRepair.h"
 #include "Private/TetGen.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/TriangleTree.h"
 #include "mammoray/Meshing/MeshCheck.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -72,28 +71,21 @@ TriangleComplex Weld(const SurfaceMesh& surface)
   return complex;
 }
 
-/// Winding number of the boundary of each material around a point: the sum of its triangles' solid
-/// angles over 4 pi (van Oosterom and Strackee, IEEE Trans Biomed Eng 30, 1983); 1 inside, 0
-/// outside.
-std::vector<double> WindingNumbers(const SurfaceMesh& surface, const Vector3& point)
+/// Winding number of the boundary of each material around a point: 1 inside, 0 outside.
+std::vector<int> WindingNumbers(const SurfaceMesh& surface, const TriangleTree& tree,
+  const Vector3& point)
 {
-  std::vector<double> winding(static_cast<std::size_t>(surface.NumberOfMaterials()), 0.0);
-  for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+  std::vector<LineHit> hits;
+  tree.CrossLine(point, { 1, 0, 0 }, hits);
+  std::vector<int> winding(static_cast<std::size_t>(surface.NumberOfMaterials()), 0);
+  for (const LineHit& hit : hits)
   {
-    Vector3 r[3];
-    double length[3];
-    for (int c = 0; c < 3; ++c)
+    if (hit.T > 0)
     {
-      const double* at = &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + c] }];
-      r[c] = Vector3{ at[0], at[1], at[2] } - point;
-      length[c] = Norm(r[c]);
+      const auto [before, behind] = MaterialsAt(surface, hit);
+      ++winding[static_cast<std::size_t>(before)];
+      --winding[static_cast<std::size_t>(behind)];
     }
-    const double numerator = Dot(r[0], Cross(r[1], r[2]));
-    const double denominator = length[0] * length[1] * length[2] + Dot(r[0], r[1]) * length[2] +
-      Dot(r[1], r[2]) * length[0] + Dot(r[2], r[0]) * length[1];
-    const double share = std::atan2(numerator, denominator) / (2 * std::numbers::pi);
-    winding[surface.BackMaterials[triangle]] += share;
-    winding[surface.FrontMaterials[triangle]] -= share;
   }
   return winding;
 }
@@ -102,16 +94,17 @@ std::vector<double> WindingNumbers(const SurfaceMesh& surface, const Vector3& po
 void NameRegions(const SurfaceMesh& surface, const MeshCheck& check, const MeshingOptions& options,
   std::vector<TetGenRegion>& regions, const ProgressCallback& progress)
 {
+  const TriangleTree tree(surface);
   for (std::size_t index = 0; index < regions.size(); ++index)
   {
     ReportProgress(progress, 0.3 + 0.1 * static_cast<double>(index) / regions.size(),
       "naming regions");
     TetGenRegion& region = regions[index];
-    const std::vector<double> winding = WindingNumbers(surface, region.Inside);
+    const std::vector<int> winding = WindingNumbers(surface, tree, region.Inside);
     double least = 0;
     for (const MaterialQuality& material : check.Materials)
     {
-      const bool around = winding[static_cast<std::size_t>(material.Material)] > 0.5;
+      const bool around = winding[static_cast<std::size_t>(material.Material)] > 0;
       if (around && (region.Material == 0 || material.VolumeMm3 < least))
       {
         region.Material = material.Material;
@@ -123,34 +116,6 @@ void NameRegions(const SurfaceMesh& surface, const MeshCheck& check, const Meshi
       own == options.CellSizeOfMaterialMm.end() ? options.CellSizeMm : own->second;
     // A regular tetrahedron of circumradius R has edge R sqrt(8 / 3) and volume edge^3 / sqrt(72).
     region.CellVolumeMm3 = std::pow(radius * std::sqrt(8.0 / 3.0), 3) / std::sqrt(72.0);
-  }
-}
-
-Vector3 MiddleOf(const TriangleComplex& complex, std::size_t triangle)
-{
-  Vector3 middle{ 0, 0, 0 };
-  for (const std::uint32_t id : complex.Triangles[triangle])
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      middle[a] += complex.Points[3 * std::size_t{ id } + a] / 3;
-    }
-  }
-  return middle;
-}
-
-void RefuseCuts(const TriangleComplex& complex)
-{
-  const std::vector<std::size_t> cutting = FindCuttingTriangles(complex);
-  if (!cutting.empty())
-  {
-    const Vector3 place = MiddleOf(complex, cutting.front());
-    char text[256];
-    std::snprintf(text, sizeof(text),
-      "surfaces: expected triangles that meet at common edges, found %zu that cut others, the "
-      "first at (%.6g, %.6g, %.6g) mm",
-      cutting.size(), place[0], place[1], place[2]);
-    throw InputError(text, { "Surfaces", std::to_string(cutting.size()), { "SurfaceVoxelsMm" } });
   }
 }
 
@@ -183,13 +148,17 @@ void Surround(TriangleComplex& complex)
   }
 }
 
-/// Returns TetGen's cells; cells of enclosed air have material 0.
-TetrahedralMesh Fill(const SurfaceMesh& surface, const TriangleComplex& complex,
-  TetGenQuality quality, const MeshingOptions& options, const ProgressCallback& progress,
-  std::vector<TetGenRegion>& regions)
+/// Returns TetGen's cells; cells of enclosed air have material 0. `check` is that of the surface.
+TetrahedralMesh Fill(const SurfaceMesh& surface, const MeshCheck& check,
+  const TriangleComplex& complex, TetGenQuality quality, const MeshingOptions& options,
+  const ProgressCallback& progress, std::vector<TetGenRegion>& regions)
 {
-  const MeshCheck check = CheckSurface(surface);
-  RefuseCuts(complex);
+  if (const MeshDefect* crossings = check.Find(MeshDefect::Kind::Crossings))
+  {
+    throw InputError("surfaces: expected triangles that do not cut others, found " +
+        crossings->Text({}),
+      { "Surfaces", std::to_string(crossings->Count), { "SurfaceVoxelsMm" } });
+  }
   ReportProgress(progress, 0.2, "finding regions");
   regions = FindRegions(complex);
   NameRegions(surface, check, options, regions, progress);
@@ -206,26 +175,21 @@ double Since(Clock::time_point start)
 }
 }
 
-bool HasTetGen()
-{
-  return true;
-}
-
 MeshingResult MeshSurfaces(const SurfaceMesh& surfaces, const MeshingOptions& options,
   const ProgressCallback& progress)
 {
   const auto start = Clock::now();
   options.Validate();
-  CheckClosed(surfaces);
-  ReportProgress(progress, 0.1, "looking for cuts");
+  const MeshCheck check = CheckClosed(surfaces);
+  ReportProgress(progress, 0.1, "filling surfaces");
   const TriangleComplex complex = Weld(surfaces);
   MeshingResult result;
   std::vector<TetGenRegion> regions;
   TetGenQuality quality;
   quality.DividesTriangles = true;
-  EditableMesh edited(Fill(surfaces, complex, quality, options, progress, regions));
-  RepairPinches(edited, Within(progress, 0.9, 0.93));
-  ImproveCells(edited, options.SmallestDihedralDeg, 0, Within(progress, 0.93, 0.99));
+  EditableMesh edited(Fill(surfaces, check, complex, quality, options, progress, regions));
+  RepairPinches(edited, ShareOf(progress, 0.9, 0.93));
+  ImproveCells(edited, options.SmallestDihedralDeg, 0, ShareOf(progress, 0.93, 0.99));
   result.Mesh = edited.Finish();
   ReportProgress(progress, 0.99, "checking");
   result.Mesh.Validate("mesh of TetGen");
@@ -250,26 +214,22 @@ MeshingResult MeshMaterialSurfaces(const LabelVolume& materials, const MeshingOp
   const auto start = Clock::now();
   MeshingOptions forSurfaces = options;
   forSurfaces.OptimisationSeconds = 0;
-  MeshingResult result = MeshMaterials(materials, forSurfaces, Within(progress, 0.0, 0.4));
+  MeshingResult result = MeshMaterials(materials, forSurfaces, ShareOf(progress, 0.0, 0.4));
   const SurfaceMesh surface = ExtractInterfaces(result.Mesh);
   std::vector<TetGenRegion> regions;
   TriangleComplex complex = Weld(surface);
   Surround(complex);
   TetGenQuality quality;
   quality.KeepsAir = true; // for FinishMesh: only points with cells on all sides may move
-  result.Mesh = Fill(surface, complex, quality, options, Within(progress, 0.4, 0.8), regions);
-  FinishMesh(materials, options, result.Mesh, Within(progress, 0.8, 1.0));
+  result.Mesh = Fill(surface, CheckSurface(surface), complex, quality, options,
+    ShareOf(progress, 0.4, 0.8), regions);
+  FinishMesh(materials, options, result.Mesh, ShareOf(progress, 0.8, 1.0));
   result.Mesh.Validate("mesh of TetGen");
   result.Reports = ReportMaterials(materials, result.Mesh);
   result.Seconds = Since(start);
   return result;
 }
 #else
-bool HasTetGen()
-{
-  return false;
-}
-
 MeshingResult MeshSurfaces(const SurfaceMesh&, const MeshingOptions&, const ProgressCallback&)
 {
   throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF)",

@@ -7,10 +7,6 @@
 
 namespace mammoray
 {
-/// True if this build includes TetGen (CMake's MAMMORAY_USE_TETGEN); otherwise the functions below
-/// throw InputError.
-MAMMORAYMESHING_EXPORT bool HasTetGen();
-
 /**
  * Fills closed surfaces with tetrahedra that keep them, by TetGen. The boundary of every material
  * must be closed. Materials may be nested as separate shells (space inside several shells belongs
@@ -25,8 +21,9 @@ MAMMORAYMESHING_EXPORT bool HasTetGen();
  * 0.1 degrees are triangulated again. VolumeInMm3 of the reports is the volume that the surfaces
  * enclose.
  *
- * Throws InputError on open surfaces (with places), on surfaces that intersect each other, and on
- * unusable options. The callback can stop the refinement, not the steps before it.
+ * Throws InputError on open surfaces and on surfaces that intersect each other (with places), on
+ * unusable options, and in a build without TetGen (MAMMORAY_USE_TETGEN). The callback can stop the
+ * refinement, not the steps before it.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
   const MeshingOptions& options, const ProgressCallback& progress = {});
@@ -36,10 +33,23 @@ MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
  * Boas, ISBI 2009). The interfaces are extracted as closed surfaces with the sizes of MeshMaterials
  * and filled by TetGen together with the surrounding air. The mesh is then improved once more,
  * which may move interfaces as far as in MeshMaterials. Components are merged, reported and checked
- * in the same way.
+ * in the same way. Throws InputError in a build without TetGen, otherwise as MeshMaterials.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& materials,
   const MeshingOptions& options, const ProgressCallback& progress = {});
+
+/**
+ * Labels a grid of cubic voxels of `voxelMm` by the materials that closed surfaces enclose. Use it
+ * to mesh surfaces that MeshSurfaces rejects because they intersect each other. A voxel belongs to
+ * the materials whose boundaries have a winding number of at least 1 around its centre, so
+ * overlapping pieces are united; if there are several, to the one that encloses least. The grid's
+ * axes are x, y and z, with a margin of one voxel of air.
+ *
+ * Throws InputError on open surfaces (with places), on a size that is not positive, and on a size
+ * that needs more than 10^9 voxels.
+ */
+MAMMORAYMESHING_EXPORT LabelVolume LabelSurfaces(const SurfaceMesh& surfaces, double voxelMm,
+  const ProgressCallback& progress = {});
 }
 
 #endif

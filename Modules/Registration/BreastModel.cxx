@@ -6,7 +6,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #endif
 
 #include <algorithm>

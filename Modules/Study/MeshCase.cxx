@@ -4,9 +4,8 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/SurfaceMesher.h"
-#include "mammoray/Meshing/SurfaceVoxels.h"
 
 #include "vtkPolyData.h"
 

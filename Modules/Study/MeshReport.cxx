@@ -27,10 +27,10 @@ Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
   json["cells"] = check.Cells;
   json["interface_triangles"] = check.Triangles;
   json["troubles"] = Json::array();
-  for (const MeshTrouble& trouble : check.Troubles)
+  for (const MeshDefect& defect : check.Defects)
   {
-    Json entry{ { "text", trouble.Text(names) }, { "count", trouble.Count } };
-    for (const MeshTrouble::Place& place : trouble.Places)
+    Json entry{ { "text", defect.Text(names) }, { "count", defect.Count } };
+    for (const MeshDefect::Place& place : defect.Places)
     {
       entry["places"].push_back({ { "point_mm", place.Point },
         { "material", place.Material < 0 ? Json() : Json(NameOfMaterial(place.Material, names)) },

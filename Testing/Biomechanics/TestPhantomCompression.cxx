@@ -6,7 +6,7 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 
 #include <gtest/gtest.h>
 

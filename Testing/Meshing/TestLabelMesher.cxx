@@ -48,7 +48,7 @@ double VolumeOf(const MeshingResult& result, int material)
 void ExpectSoundMesh(const TetrahedralMesh& mesh)
 {
   const MeshCheck check = CheckMesh(mesh);
-  EXPECT_TRUE(check.Sound()) << check.Troubles[0].Text({});
+  EXPECT_TRUE(check.Sound()) << check.Defects[0].Text({});
 }
 }
 

@@ -9,7 +9,7 @@
 
 using namespace mammoray;
 using namespace shapes;
-using Kind = MeshTrouble::Kind;
+using Kind = MeshDefect::Kind;
 
 namespace
 {
@@ -51,7 +51,7 @@ TEST(MeshCheck, CubeIsSoundWithKnownMeasures)
   mesh.Materials[0] = 2;
   const MeshCheck check = CheckMesh(mesh);
   EXPECT_TRUE(check.Sound());
-  EXPECT_TRUE(check.Troubles.empty());
+  EXPECT_TRUE(check.Defects.empty());
   EXPECT_EQ(check.Points, 8u);
   // Twelve on the cube, and the two faces between the first cell and its neighbours.
   EXPECT_EQ(check.Triangles, 14u);
@@ -76,11 +76,11 @@ TEST(MeshCheck, FindsInvertedCells)
   std::swap(mesh.Cells[4 * 3], mesh.Cells[4 * 3 + 1]);
   const MeshCheck check = CheckMesh(mesh);
   EXPECT_FALSE(check.Sound());
-  const MeshTrouble* trouble = check.Find(Kind::InvertedCells);
-  ASSERT_TRUE(trouble);
-  EXPECT_EQ(trouble->Count, 1u);
+  const MeshDefect* defect = check.Find(Kind::InvertedCells);
+  ASSERT_TRUE(defect);
+  EXPECT_EQ(defect->Count, 1u);
   // The fourth cell, of corners 0, 6, 4 and 7: (0, 0, 0), (0, 2, 2), (0, 0, 2), (2, 2, 2).
-  EXPECT_THAT(trouble->Text({ "air", "fat" }),
+  EXPECT_THAT(defect->Text({ "air", "fat" }),
     testing::AllOf(test::Mentions("1 cells"), testing::HasSubstr("fat at (0.5, 1, 1.5) mm")));
   // Its faces are seen from the wrong side.
   EXPECT_TRUE(check.Find(Kind::OverlappingCells));
@@ -159,7 +159,7 @@ TEST(MeshCheck, ABodyOfTwoMaterialsThatHangsByAnEdgeIsPinched)
     diagonal.Materials.insert(diagonal.Materials.end(), 6, brick == 0 ? 1 : 2);
   }
   const MeshCheck check = CheckMesh(diagonal);
-  const MeshTrouble* pinches = check.Find(Kind::Pinches);
+  const MeshDefect* pinches = check.Find(Kind::Pinches);
   ASSERT_TRUE(pinches);
   EXPECT_EQ(pinches->Count, 1u);
   EXPECT_EQ(pinches->Places[0].Material, 0);
@@ -172,7 +172,7 @@ TEST(MeshCheck, SphereSurfaceAndItsHoles)
   AddSphere(surface, { 10, 20, 30 }, 5, 3, 3);
   MeshCheck check = CheckSurface(surface);
   EXPECT_TRUE(check.Sound());
-  EXPECT_TRUE(check.Troubles.empty());
+  EXPECT_TRUE(check.Defects.empty());
   ASSERT_EQ(check.Materials.size(), 1u);
   // 1 %: 1280 facets inscribed in the sphere; the deficit of three divisions is about 0.9 %.
   EXPECT_NEAR(check.Materials[0].VolumeMm3, 523.6, 6);
@@ -187,10 +187,10 @@ TEST(MeshCheck, SphereSurfaceAndItsHoles)
   }
   check = CheckSurface(surface);
   EXPECT_FALSE(check.Sound());
-  const MeshTrouble* holes = check.Find(Kind::Holes);
+  const MeshDefect* holes = check.Find(Kind::Holes);
   ASSERT_TRUE(holes);
   EXPECT_EQ(holes->Count, 2u);
-  for (const MeshTrouble::Place& hole : holes->Places)
+  for (const MeshDefect::Place& hole : holes->Places)
   {
     // The centre of a facet of about 0.7 mm lies 0.02 mm within the sphere.
     EXPECT_NEAR(Norm(hole.Point - Vector3{ 10, 20, 30 }), 5, 0.1);
@@ -222,10 +222,10 @@ TEST(MeshCheck, SurfacesThatCrossAndPartsInsideOfOthers)
   AddSphere(surface, { 3, 0, 0 }, 5, 3, 2);
   MeshCheck check = CheckSurface(surface);
   EXPECT_FALSE(check.Sound());
-  const MeshTrouble* crossings = check.Find(Kind::Crossings);
+  const MeshDefect* crossings = check.Find(Kind::Crossings);
   ASSERT_TRUE(crossings);
   EXPECT_GT(crossings->Count, 50u);
-  EXPECT_EQ(crossings->Places.size(), MeshTrouble::MostPlaces);
+  EXPECT_EQ(crossings->Places.size(), MeshDefect::MostPlaces);
   // They meet in the circle of radius 4 at x = 0, to a facet of 0.8 mm.
   EXPECT_NEAR(std::hypot(crossings->Places[0].Point[1], crossings->Places[0].Point[2]), 4, 0.8);
   EXPECT_NE(crossings->Text({ "air", "a", "b" }).find("pairs of triangles that cross"),

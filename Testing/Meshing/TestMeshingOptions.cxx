@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
 #include "Refusals.h"
-#include "mammoray/Meshing/MeshingOptions.h"
+#include "mammoray/Meshing/LabelMesher.h"
 
 #include <gtest/gtest.h>
 

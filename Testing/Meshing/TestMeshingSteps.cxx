@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace
 {
@@ -173,24 +174,6 @@ TEST(FinishMesh, GivesEveryMaterialItsVolume)
   }
 }
 
-TEST(Within, TellsThePartOfTheWhole)
-{
-  std::vector<double> told;
-  const ProgressCallback whole = [&](double fraction, const char*)
-  {
-    told.push_back(fraction);
-    return fraction < 0.7;
-  };
-  const ProgressCallback part = Within(whole, 0.5, 0.9);
-  EXPECT_TRUE(part(0, "a"));
-  EXPECT_TRUE(part(0.25, "b"));
-  EXPECT_FALSE(part(1, "c")); // an answer goes through
-  EXPECT_THAT(told,
-    testing::ElementsAre(testing::DoubleEq(0.5), testing::DoubleEq(0.6), testing::DoubleEq(0.9)));
-  const ProgressCallback none;
-  EXPECT_TRUE(Within(none, 0, 1)(0.5, "d"));
-}
-
 TEST(PlaceInVolumeFrame, KeepsCellsUprightInEveryFrame)
 {
   LabelVolume volume = ObliqueNoise();
@@ -219,6 +202,31 @@ TEST(PlaceInVolumeFrame, KeepsCellsUprightInEveryFrame)
       }
     }
   }
+}
+
+TEST(MeshQuality, RegularTetrahedron)
+{
+  TetrahedralMesh mesh;
+  mesh.Points = { 1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1 };
+  mesh.Cells = { 0, 1, 2, 3 };
+  mesh.Materials = { 1 };
+  // Closed forms: arccos(1/3) and sqrt(6)/4; a dozen double operations.
+  EXPECT_NEAR(SmallestDihedralDeg(mesh, 0), std::acos(1.0 / 3.0) * 180 / std::numbers::pi, 1e-12);
+  EXPECT_NEAR(RadiusEdgeRatio(mesh, 0), std::sqrt(6.0) / 4.0, 1e-12);
+}
+
+TEST(MeshQuality, CornerAndSliver)
+{
+  TetrahedralMesh mesh;
+  mesh.Points = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0.5, 0.5, 1e-3 };
+  mesh.Cells = { 0, 1, 2, 3, 0, 1, 4, 5 };
+  mesh.Materials = { 1, 1 };
+  // A cube's corner: the slanted face meets the others at arccos(1/sqrt(3)), its sphere is the
+  // cube's.
+  EXPECT_NEAR(SmallestDihedralDeg(mesh, 0), std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi,
+    1e-12);
+  EXPECT_NEAR(RadiusEdgeRatio(mesh, 0), std::sqrt(3.0) / 2.0, 1e-12);
+  EXPECT_LT(SmallestDihedralDeg(mesh, 1), 0.2);
 }
 
 TEST(ReportMaterials, CountVoxelsAndCells)

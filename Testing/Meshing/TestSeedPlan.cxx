@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
-#include "mammoray/Meshing/Private/SeedPlan.h"
+#include "mammoray/Meshing/Private/LabelComponents.h"
 
 #include <gtest/gtest.h>
 
@@ -24,9 +24,8 @@ LabelVolume BallAndRod()
 TEST(SeedPlan, SeedsLargePartsOnceAndSmallOnesAlongTheirLength)
 {
   const LabelVolume volume = BallAndRod();
-  MeshingOptions options;
-  options.FacetSizeMm = 3; // 8 of its cubes: 216 mm3; the rod has 19, the ball 7238
-  const SeedPlan plan = PlanSeeds(volume, options);
+  // 8 cubes of 3 mm: 216 mm3; the rod has 19, the ball 7238.
+  const SeedPlan plan = PlanSeeds(volume, 3);
   ASSERT_EQ(plan.Components.Components.size(), 3u);
   for (std::size_t id = 0; id < 3; ++id)
   {
@@ -74,9 +73,7 @@ TEST(SeedPlan, IsMeasuredInMillimetresOnAnyVoxels)
     row.Spacing = { length, 1, 1 };
     row.Voxels.assign(63, 0);
     std::fill_n(&row.Voxels[row.Index(1, 1, 1)], 5, std::uint16_t{ 1 });
-    MeshingOptions options;
-    options.FacetSizeMm = 2; // small are parts below 64 mm3
-    const SeedPlan plan = PlanSeeds(row, options);
+    const SeedPlan plan = PlanSeeds(row, 2); // small are parts below 64 mm3
     ASSERT_EQ(plan.SeedVoxels.size(), 2u);
     // 2 mm apart: of 2.5 mm the ends or their like, of 25 mm every voxel.
     EXPECT_EQ(plan.SeedVoxels[1].size(), length < 1 ? 1u : 5u);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
 #include "Refusals.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/Private/SimulationShape.h"
-#include "mammoray/Meshing/SimulationMesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -20,18 +20,6 @@ using namespace mammoray::test;
 
 namespace
 {
-class SurfaceMesher : public testing::Test
-{
-protected:
-  void SetUp() override
-  {
-    if (!HasTetGen())
-    {
-      GTEST_SKIP() << "this build has no TetGen";
-    }
-  }
-};
-
 MeshingOptions Coarse()
 {
   MeshingOptions options;
@@ -55,7 +43,7 @@ LabelVolume NestedBalls()
 }
 }
 
-TEST_F(SurfaceMesher, NestedShellsGiveTheInnerMaterialItsSpace)
+TEST(SurfaceMesher, NestedShellsGiveTheInnerMaterialItsSpace)
 {
   // Three balls, one within the other.
   SurfaceMesh surfaces;
@@ -83,7 +71,7 @@ TEST_F(SurfaceMesher, NestedShellsGiveTheInnerMaterialItsSpace)
   }
 }
 
-TEST_F(SurfaceMesher, ShellWithACavityStaysEmptyInside)
+TEST(SurfaceMesher, ShellWithACavityStaysEmptyInside)
 {
   SurfaceMesh surfaces;
   AddSphere(surfaces, { 0, 0, 0 }, 10, 3, 1);
@@ -96,7 +84,7 @@ TEST_F(SurfaceMesher, ShellWithACavityStaysEmptyInside)
   EXPECT_NEAR(shell, 4.0 / 3 * std::numbers::pi * 875, 0.03 * 3665);
 }
 
-TEST_F(SurfaceMesher, TouchingBodiesAreJoined)
+TEST(SurfaceMesher, TouchingBodiesAreJoined)
 {
   // Two boxes with a face in common, each a closed surface with points of its own, and a slab that
   // shares its interfaces.
@@ -114,7 +102,7 @@ TEST_F(SurfaceMesher, TouchingBodiesAreJoined)
   }
 }
 
-TEST_F(SurfaceMesher, CellSizesAreKept)
+TEST(SurfaceMesher, CellSizesAreKept)
 {
   SurfaceMesh box;
   AddBox(box, { 0, 0, 0 }, { 20, 20, 20 }, 1);
@@ -131,7 +119,7 @@ TEST_F(SurfaceMesher, CellSizesAreKept)
   EXPECT_GT(static_cast<double>(result.Mesh.NumberOfCells()), 8000 / bound);
 }
 
-TEST_F(SurfaceMesher, NeedlesInAPlaneAreTriangulatedAnew)
+TEST(SurfaceMesher, NeedlesInAPlaneAreTriangulatedAnew)
 {
   // A bar of 30 x 1 x 1 mm with points at each mm of its long edges, top and bottom as fans from a
   // corner: angles down to 0.06 degrees.
@@ -174,7 +162,7 @@ TEST_F(SurfaceMesher, NeedlesInAPlaneAreTriangulatedAnew)
   EXPECT_GT(check.Materials[0].SmallestDihedralDeg, 10);
 }
 
-TEST_F(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
+TEST(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
 {
   SurfaceMesh surfaces;
   AddBox(surfaces, { 0, 0, 0 }, { 2, 2, 2 }, 1);
@@ -196,7 +184,7 @@ TEST_F(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
   EXPECT_THROW(MeshSurfaces({}, Coarse()), InputError);
 }
 
-TEST_F(SurfaceMesher, StopsWhenAsked)
+TEST(SurfaceMesher, StopsWhenAsked)
 {
   SurfaceMesh box;
   AddBox(box, { 0, 0, 0 }, { 20, 20, 20 }, 1);
@@ -207,7 +195,7 @@ TEST_F(SurfaceMesher, StopsWhenAsked)
     Interrupted);
 }
 
-TEST_F(SurfaceMesher, BothWaysFromLabelsAgree)
+TEST(SurfaceMesher, BothWaysFromLabelsAgree)
 {
   const LabelVolume volume = NestedBalls();
   MeshingOptions options = Coarse();
@@ -254,7 +242,7 @@ TEST_F(SurfaceMesher, BothWaysFromLabelsAgree)
   EXPECT_LT(largest, 0.6);
 }
 
-TEST_F(SurfaceMesher, ThinLayersFromLabelsHaveNoSlivers)
+TEST(SurfaceMesher, ThinLayersFromLabelsHaveNoSlivers)
 {
   // A shell of one voxel around two tissues, as skin: all corners of its cells lie on interfaces.
   // Where points of the body's surface could not move, an angle of 0.45 degrees was left.
@@ -274,7 +262,7 @@ TEST_F(SurfaceMesher, ThinLayersFromLabelsHaveNoSlivers)
   }
 }
 
-TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
+TEST(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
 {
   // A checkerboard, which touches itself everywhere; and a random volume, where smoothing could
   // cut.
@@ -297,7 +285,7 @@ TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
   EXPECT_TRUE(CheckMesh(result.Mesh).Sound());
 }
 
-TEST_F(SurfaceMesher, BothWaysKeepRandomVolumes)
+TEST(SurfaceMesher, BothWaysKeepRandomVolumes)
 {
   // Mosaics of three materials and air on anisotropic oblique grids.
   const unsigned seeds = std::getenv("MAMMORAY_LONG_TESTS") ? 300 : 24;
@@ -333,7 +321,7 @@ TEST_F(SurfaceMesher, BothWaysKeepRandomVolumes)
   }
 }
 
-TEST_F(SurfaceMesher, CheckerboardByCgal)
+TEST(SurfaceMesher, CheckerboardByCgal)
 {
   // Nothing but cubes that touch at edges: as a body of one material with cavities of air.
   const LabelVolume board = LabelledCube(8, 1,

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/SurfaceVoxels.h"
-
 #include "LabelShapes.h"
 #include "Refusals.h"
 #include "SurfaceShapes.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

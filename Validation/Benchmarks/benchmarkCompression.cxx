@@ -10,7 +10,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Study/LabelSource.h"
 

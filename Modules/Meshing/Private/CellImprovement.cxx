@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CellImprovement.h"
 
-#include "Private/EdgeRing.h"
 #include "Private/PinchRepair.h"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace mammoray
 {
@@ -16,6 +16,153 @@ namespace
 {
 using Ids = std::array<std::int32_t, 4>;
 using Cell = EditableMesh::Cell;
+
+/// Points around an edge in order, with the material between each point and the next.
+struct EdgeRing
+{
+  std::vector<std::int32_t> Points;
+  std::vector<std::int32_t> Materials;
+  std::vector<std::int32_t> Cells;
+};
+
+/// The ring around the edge from a to b, counter-clockwise about that axis; no value if it is open
+/// or has more than `most` cells.
+std::optional<EdgeRing> FindRing(const EditableMesh& mesh, std::int32_t a, std::int32_t b,
+  std::size_t most)
+{
+  EdgeRing ring;
+  ring.Cells = mesh.Ring(a, b);
+  if (ring.Cells.empty() || ring.Cells.size() > most)
+  {
+    return std::nullopt;
+  }
+  struct Step
+  {
+    std::int32_t From;
+    std::int32_t To;
+    std::int32_t Material;
+  };
+  std::vector<Step> steps;
+  for (const std::int32_t cell : ring.Cells)
+  {
+    Ids turned = mesh[cell].Ids; // to be (a, b, from, to), by an even number of swaps
+    int swaps = 0;
+    for (const std::size_t place : { 0, 1 })
+    {
+      const auto at = std::find(turned.begin(), turned.end(), place == 0 ? a : b);
+      if (at != turned.begin() + place)
+      {
+        std::swap(*at, turned[place]);
+        ++swaps;
+      }
+    }
+    if (swaps == 1)
+    {
+      std::swap(turned[2], turned[3]);
+    }
+    steps.push_back({ turned[2], turned[3], mesh[cell].Material });
+  }
+  std::int32_t at = steps[0].From;
+  for (std::size_t n = 0; n < steps.size(); ++n)
+  {
+    const auto next =
+      std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.From == at; });
+    if (next == steps.end())
+    {
+      return std::nullopt;
+    }
+    ring.Points.push_back(at);
+    ring.Materials.push_back(next->Material);
+    at = next->To;
+  }
+  return at == steps[0].From ? std::optional(ring) : std::nullopt;
+}
+
+/// The best filling of the space between two points and a polygon around them: Klincsek's
+/// triangulation of the polygon, judged by the worst cell.
+class PolygonFill
+{
+public:
+  /// `polygon` runs counter-clockwise about the axis from `below` to `above`; it must outlive this
+  /// object.
+  PolygonFill(const EditableMesh& mesh, const std::vector<std::int32_t>& polygon,
+    std::int32_t material, std::int32_t below, std::int32_t above)
+    : Mesh(mesh)
+    , Polygon(polygon)
+    , Material(material)
+    , Below(below)
+    , Above(above)
+    , Count(polygon.size())
+    , Qualities(Count * Count, 1.0)
+    , Middle(Count * Count, 0)
+  {
+    for (std::size_t length = 2; length < this->Count; ++length)
+    {
+      for (std::size_t i = 0; i + length < this->Count; ++i)
+      {
+        this->FindMiddle(i, i + length);
+      }
+    }
+  }
+
+  /// Quality of the worst cell of the best filling.
+  double Best() const { return this->Qualities[this->Count - 1]; }
+  /// Adds the cells of the best filling.
+  void Collect(std::vector<Ids>& cells) const { this->Collect(0, this->Count - 1, cells); }
+
+private:
+  void FindMiddle(std::size_t i, std::size_t j)
+  {
+    double& best = this->Qualities[i * this->Count + j];
+    best = -1;
+    for (std::size_t k = i + 1; k < j; ++k)
+    {
+      const double sides =
+        std::min(this->Qualities[i * this->Count + k], this->Qualities[k * this->Count + j]);
+      if (sides <= best)
+      {
+        continue;
+      }
+      const double own = std::min(this->Mesh.Quality(this->Upper(i, k, j), this->Material),
+        this->Mesh.Quality(this->Lower(i, k, j), this->Material));
+      if (std::min(own, sides) > best)
+      {
+        best = std::min(own, sides);
+        this->Middle[i * this->Count + j] = k;
+      }
+    }
+  }
+  Ids Upper(std::size_t i, std::size_t k, std::size_t j) const
+  {
+    return { this->Polygon[i], this->Polygon[k], this->Polygon[j], this->Above };
+  }
+  Ids Lower(std::size_t i, std::size_t k, std::size_t j) const
+  {
+    return { this->Polygon[i], this->Polygon[j], this->Polygon[k], this->Below };
+  }
+  void Collect(std::size_t i, std::size_t j, std::vector<Ids>& cells) const
+  {
+    if (j - i >= 2)
+    {
+      const std::size_t k = this->Middle[i * this->Count + j];
+      cells.push_back(this->Upper(i, k, j));
+      cells.push_back(this->Lower(i, k, j));
+      this->Collect(i, k, cells);
+      this->Collect(k, j, cells);
+    }
+  }
+
+  const EditableMesh& Mesh;
+  const std::vector<std::int32_t>& Polygon;
+  std::int32_t Material;
+  std::int32_t Below;
+  std::int32_t Above;
+  std::size_t Count;
+  /// Quality of the worst cell of the best filling between corners i and j, at i * Count + j, and
+  /// the corner k that it uses.
+  std::vector<double> Qualities;
+  std::vector<std::size_t> Middle;
+};
 
 /// Improves one mesh step by step.
 class CellImprover
@@ -524,16 +671,9 @@ void ImproveCells(EditableMesh& mesh, double goalDeg, double shiftMm,
   const ProgressCallback& progress)
 {
   CellImprover improver(mesh, std::sin(goalDeg * std::numbers::pi / 180), shiftMm);
-  const int passes = 6;
-  for (int pass = 0; pass < passes; ++pass)
+  for (int pass = 0; pass < 6; ++pass)
   {
-    const std::size_t better = improver.Pass(
-      [&](double fraction, const char* stage)
-      {
-        ReportProgress(progress, (pass + fraction) / passes, stage);
-        return true;
-      });
-    if (better == 0)
+    if (improver.Pass(ShareOf(progress, pass / 6.0, (pass + 1) / 6.0)) == 0)
     {
       break;
     }

@@ -4,6 +4,7 @@
 
 #include "Private/EditableMesh.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammorayMeshingModule.h"
 
 namespace mammoray
 {
@@ -17,7 +18,7 @@ namespace mammoray
  *
  * CGAL offers such steps only in its tetrahedral remeshing, which changes the sizes of all cells.
  */
-void ImproveCells(EditableMesh& mesh, double goalDeg, double shiftMm,
+MAMMORAYMESHING_EXPORT void ImproveCells(EditableMesh& mesh, double goalDeg, double shiftMm,
   const ProgressCallback& progress);
 }
 

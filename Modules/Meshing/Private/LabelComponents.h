@@ -5,6 +5,11 @@
 #include "mammoray/Foundation/Volumes.h"
 #include "mammorayMeshingModule.h"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
 namespace mammoray
 {
 /// A face-connected component of one material, or of air.
@@ -36,6 +41,22 @@ MAMMORAYMESHING_EXPORT std::size_t MergeSmallComponents(LabelVolume& volume, dou
 /// Distance of every voxel's centre to the nearest interface, mm, by chamfer steps over faces,
 /// edges and corners (at most 8 % too long on cubic voxels).
 MAMMORAYMESHING_EXPORT std::vector<float> InterfaceDistance(const LabelVolume& volume);
+
+/// The components of a volume (tissue and enclosed air) and the voxels from which mesh points are
+/// seeded.
+struct SeedPlan
+{
+  /// Components with their depths.
+  LabelComponents Components;
+  /// Voxels from which each component is seeded, the deepest first: one for a component that the
+  /// mesher follows by itself, several for small components, which can be long and thin.
+  std::vector<std::vector<std::size_t>> SeedVoxels;
+  /// Distance of every voxel to other materials, mm.
+  std::vector<float> Distance;
+};
+
+/// `facetSizeMm` is that of the mesh: components below eight of its cubes count as small.
+MAMMORAYMESHING_EXPORT SeedPlan PlanSeeds(const LabelVolume& volume, double facetSizeMm);
 }
 
 #endif

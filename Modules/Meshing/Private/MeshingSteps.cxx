@@ -2,14 +2,15 @@
 #include "Private/MeshingSteps.h"
 
 #include "Private/CellImprovement.h"
-#include "Private/MeshQuality.h"
 #include "Private/PinchRepair.h"
 #include "Private/VolumeFit.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace mammoray
 {
@@ -97,16 +98,10 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   }
 }
 
-ProgressCallback Within(const ProgressCallback& progress, double begin, double end)
-{
-  return [=, &progress](double fraction, const char* stage)
-  { return !progress || progress(begin + fraction * (end - begin), stage); };
-}
-
 MeshCheck CheckClosed(const SurfaceMesh& surfaces)
 {
   MeshCheck check = CheckSurface(surfaces);
-  if (const MeshTrouble* holes = check.Find(MeshTrouble::Kind::Holes))
+  if (const MeshDefect* holes = check.Find(MeshDefect::Kind::Holes))
   {
     throw InputError("surfaces: expected closed ones, found " + holes->Text({}));
   }
@@ -138,11 +133,11 @@ void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, Tet
   }
   EditableMesh edited(mesh);
   const double goalDeg = options.SmallestDihedralDeg;
-  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.0, 0.4));
-  RepairPinches(edited, Within(progress, 0.4, 0.6));
-  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.6, 0.7));
-  FitVolumes(edited, volumesMm3, shiftMm, goalDeg, Within(progress, 0.7, 0.9));
-  ImproveCells(edited, goalDeg, 0, Within(progress, 0.9, 1.0));
+  ImproveCells(edited, goalDeg, shiftMm, ShareOf(progress, 0.0, 0.4));
+  RepairPinches(edited, ShareOf(progress, 0.4, 0.6));
+  ImproveCells(edited, goalDeg, shiftMm, ShareOf(progress, 0.6, 0.7));
+  FitVolumes(edited, volumesMm3, shiftMm, goalDeg, ShareOf(progress, 0.7, 0.9));
+  ImproveCells(edited, goalDeg, 0, ShareOf(progress, 0.9, 1.0));
   mesh = edited.Finish();
 }
 
@@ -162,6 +157,46 @@ void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh)
       std::swap(mesh.Cells[4 * cell + 2], mesh.Cells[4 * cell + 3]);
     }
   }
+}
+
+double SmallestDihedralDeg(const TetrahedralMesh& mesh, std::size_t cell)
+{
+  Vector3 corner[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    corner[c] = mesh.Point(mesh.Cells[4 * cell + c]);
+  }
+  double smallest = std::numbers::pi;
+  for (int a = 0; a < 4; ++a)
+  {
+    for (int b = a + 1; b < 4; ++b)
+    {
+      // Project the other two corners along the edge ab; the angle between them is the dihedral
+      // angle.
+      const int c = a == 0 ? (b == 1 ? 2 : 1) : 0;
+      const int d = 6 - a - b - c;
+      const Vector3 edge = corner[b] - corner[a];
+      const Vector3 n1 = Cross(edge, corner[c] - corner[a]);
+      const Vector3 n2 = Cross(edge, corner[d] - corner[a]);
+      smallest = std::min(smallest, std::atan2(Norm(Cross(n1, n2)), Dot(n1, n2)));
+    }
+  }
+  return smallest * 180.0 / std::numbers::pi;
+}
+
+double RadiusEdgeRatio(const TetrahedralMesh& mesh, std::size_t cell)
+{
+  const std::int32_t* ids = &mesh.Cells[4 * cell];
+  const Vector3 origin = mesh.Point(ids[0]);
+  const Vector3 a = mesh.Point(ids[1]) - origin;
+  const Vector3 b = mesh.Point(ids[2]) - origin;
+  const Vector3 c = mesh.Point(ids[3]) - origin;
+  const Vector3 numerator =
+    Dot(a, a) * Cross(b, c) + Dot(b, b) * Cross(c, a) + Dot(c, c) * Cross(a, b);
+  const double radius = Norm(numerator) / (2 * std::abs(Dot(a, Cross(b, c))));
+  const double shortest =
+    std::min({ Norm(a), Norm(b), Norm(c), Norm(b - a), Norm(c - a), Norm(c - b) });
+  return shortest > 0 ? radius / shortest : std::numeric_limits<double>::infinity();
 }
 
 std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,

@@ -50,12 +50,14 @@ MAMMORAYMESHING_EXPORT double LargestShift(const LabelVolume& materials,
 MAMMORAYMESHING_EXPORT void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
   TetrahedralMesh& mesh, const ProgressCallback& progress);
 
-/// A callback that maps its progress to [begin, end] of the whole.
-MAMMORAYMESHING_EXPORT ProgressCallback Within(const ProgressCallback& progress, double begin,
-  double end);
-
 /// Transforms a mesh from the grid frame to the volume frame.
 MAMMORAYMESHING_EXPORT void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
+
+/// Smallest dihedral angle of a cell, degrees; at best 70.5.
+MAMMORAYMESHING_EXPORT double SmallestDihedralDeg(const TetrahedralMesh& mesh, std::size_t cell);
+
+/// Radius of the circumscribed sphere divided by the shortest edge; at best 0.61.
+MAMMORAYMESHING_EXPORT double RadiusEdgeRatio(const TetrahedralMesh& mesh, std::size_t cell);
 
 /// Reports the volumes of voxels and cells, and the quality of the cells.
 MAMMORAYMESHING_EXPORT std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,

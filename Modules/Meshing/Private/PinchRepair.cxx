@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/PinchRepair.h"
 
-#include "Private/MeshingSteps.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -433,14 +432,14 @@ std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
   std::vector<std::int32_t> all(mesh.Points.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<std::int32_t> pinched =
-    FindPinchedPoints(mesh, std::move(all), Within(progress, 0.0, 0.2));
+    FindPinchedPoints(mesh, std::move(all), ShareOf(progress, 0.0, 0.2));
   const std::size_t found = pinched.size();
   if (found == 0)
   {
     return 0;
   }
   // After each round, only points around its changes can differ.
-  Relabeller relabeller(mesh, Within(progress, 0.2, 0.6));
+  Relabeller relabeller(mesh, ShareOf(progress, 0.2, 0.6));
   const int relabellings = 3;
   for (int round = 0; round < relabellings && !pinched.empty(); ++round)
   {

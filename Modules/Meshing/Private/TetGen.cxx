@@ -67,7 +67,8 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
     if (code == 3)
     {
       throw InputError("surfaces: expected triangles that meet at common edges, found ones that "
-                       "cut each other");
+                       "cut each other",
+        { "Surfaces", "", { "SurfaceVoxelsMm" } });
     }
     if (code == 4 || code == 5)
     {
@@ -143,24 +144,6 @@ TetrahedralMesh Unload(const tetgenio& output)
   }
   return mesh;
 }
-}
-
-std::vector<std::size_t> FindCuttingTriangles(const TriangleComplex& complex)
-{
-  tetgenio input;
-  tetgenio output;
-  Load(complex, input);
-  Run("pdQ", input, output);
-  std::vector<std::size_t> cutting;
-  for (int face = 0; face < output.numberoftrifaces; ++face)
-  {
-    const int marker = output.trifacemarkerlist ? output.trifacemarkerlist[face] : 0;
-    if (marker >= 1 && static_cast<std::size_t>(marker) <= complex.Triangles.size())
-    {
-      cutting.push_back(static_cast<std::size_t>(marker) - 1);
-    }
-  }
-  return cutting;
 }
 
 std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex)

@@ -30,9 +30,6 @@ struct TetGenRegion
   double CellVolumeMm3 = 0;
 };
 
-/// Indices of the triangles that intersect others.
-std::vector<std::size_t> FindCuttingTriangles(const TriangleComplex& complex);
-
 /// The regions that the triangles enclose; Material stays 0.
 std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex);
 

@@ -2,8 +2,7 @@
 #ifndef mammoray_TriangleAim_h
 #define mammoray_TriangleAim_h
 
-#include "mammoray/Foundation/Volumes.h"
-#include "mammoray/Meshing/MeshingOptions.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #include "mammorayMeshingModule.h"
 
 #include <cstddef>
