@@ -7,10 +7,11 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
-#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include <cstdio>
 #endif
@@ -116,8 +117,8 @@ void Run(SegmentArguments& arguments)
   WriteLabelVolume(result.Labels, arguments.Output);
   if (!arguments.Picture.empty())
   {
-    WriteSlicePicture(result.Corrected, result.Labels, arguments.Options.Axes, table.Names(),
-      arguments.Picture);
+    WriteAtomicFile(arguments.Picture,
+      DrawLabelSlices(result.Corrected, result.Labels, arguments.Options.Axes, table.Names()).Png);
   }
   PrintResult(result, table);
 }

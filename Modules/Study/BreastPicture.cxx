@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/BreastPicture.h"
-
 #include "Private/Picture.h"
-#include "Private/SvgLines.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +17,6 @@ constexpr int SceneMargin = 24;
 /// Pixels of the drawing that become one of the picture, along each side.
 constexpr int Oversampling = 2;
 constexpr PictureColor SceneGround{ 22, 24, 31 };
-constexpr PictureColor SceneInk{ 217, 222, 230 };
 constexpr PictureColor SkinTone{ 237, 194, 168 };
 constexpr PictureColor PlateTone{ 140, 191, 242 };
 constexpr double SkinOpacity = 0.3;
@@ -147,17 +144,6 @@ void Overlay(const Layer& veil, double opacity, Layer& picture)
     }
   }
 }
-
-void DrawLegend(Picture& picture, const std::vector<std::pair<std::string, PictureColor>>& entries)
-{
-  int top = picture.Height() - 20;
-  for (const auto& [name, color] : entries)
-  {
-    picture.Box(14, top - 7, 28, top + 7, color);
-    picture.Text(36, top, 0, name, { SceneInk, 13 });
-    top -= 24;
-  }
-}
 }
 
 std::vector<int> EnclosedMaterials(const SurfaceMesh& surface, const MaterialTable& materials,
@@ -242,27 +228,26 @@ LayeredPicture DrawBreast(const BreastInSpace& breast)
   Overlay(skin, SkinOpacity, picture);
   Overlay(plates, PlateOpacity, picture);
 
-  Picture large(Layer::Columns, picture.Rows);
+  Picture drawn(Layer::Columns, picture.Rows);
   for (int y = 0; y < picture.Rows; ++y)
   {
     for (int x = 0; x < Layer::Columns; ++x)
     {
-      large.Set(x, y, picture.Colors[static_cast<std::size_t>(y) * Layer::Columns + x]);
+      drawn.Set(x, y, picture.Colors[static_cast<std::size_t>(y) * Layer::Columns + x]);
     }
   }
-  Picture drawn(SceneWidth, eye.Rows());
-  drawn.PasteShrunk(0, 0, Oversampling, large);
-  std::vector<std::pair<std::string, PictureColor>> legend{ { "skin", SkinTone } };
+  drawn.Shrink(Oversampling);
+  PictureLegend legend{ { "skin", SkinTone } };
   for (const auto& [material, tone] : tones)
   {
     legend.emplace_back(breast.Materials->Materials[static_cast<std::size_t>(material)].Name, tone);
   }
-  DrawLegend(drawn, legend);
+  drawn.Legend(14, eye.Rows() - 8, legend, { LightInk, 13 });
   SvgLines lines(eye.Rows());
   for (const auto& [name, place] : breast.Marks)
   {
     const Vector3 at = eye.See(place);
-    lines.Cross({ at[0] / Oversampling, at[1] / Oversampling }, name, 16, MarkColor);
+    lines.Cross({ at[0] / Oversampling, at[1] / Oversampling }, name);
   }
   return { drawn.Png(), SceneWidth, eye.Rows(), lines.Elements() };
 }

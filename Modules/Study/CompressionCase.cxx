@@ -9,7 +9,7 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Study/CompressionGrids.h"
-#include "mammoray/Study/CutPicture.h"
+#include "mammoray/Study/StudyPictures.h"
 #include "mammoray/Study/CutTissue.h"
 
 #include "vtkUnstructuredGrid.h"

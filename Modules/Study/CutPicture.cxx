@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/CutPicture.h"
-
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MeshConversion.h"
+#include "mammoray/Study/StudyPictures.h"
 
-#include "vtkCellData.h"
-#include "vtkCutter.h"
-#include "vtkDataArray.h"
+#include "vtkGenericCell.h"
 #include "vtkNew.h"
-#include "vtkPlane.h"
-#include "vtkPolyData.h"
+#include "vtkStaticCellLocator.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <set>
 
 namespace mammoray
@@ -28,195 +24,169 @@ constexpr int CutMargin = 20;
 constexpr double LineMarginMm = 4;
 constexpr int TitleHeight = 46;
 constexpr int CutLegendWidth = 190;
-constexpr int Supersampling = 4;
 
-struct CutCell
+/// A panel's mesh, sampled at the middles of the picture's pixels.
+class Cut
 {
-  /// In the plane of the cut, mm.
-  std::vector<PicturePoint> Corners;
-  int Material = 0;
+public:
+  explicit Cut(const CutPanel& panel)
+    : Panel(panel)
+    , Mesh(FromGrid(panel.Mesh))
+    , Extents(ExtentsAlong(std::array{ panel.Right, panel.Up }, this->Mesh.Points))
+  {
+    for (Extent& extent : this->Extents)
+    {
+      // Lines that the cells touch would otherwise be halved.
+      extent.Low -= panel.Lines.empty() ? 0 : LineMarginMm;
+      extent.High += panel.Lines.empty() ? 0 : LineMarginMm;
+    }
+  }
+
+  double LongestMm() const
+  {
+    return std::max(this->Extents[0].Length(), this->Extents[1].Length());
+  }
+  int Width() const { return this->Columns; }
+  int Height() const { return this->Rows; }
+
+  /// Finds the cell of each pixel and adds the cells' materials. Throws InputError if there are
+  /// none.
+  void Sample(double pixelMm, std::set<int>& materials)
+  {
+    this->PixelMm = pixelMm;
+    this->Columns = 1 + static_cast<int>(this->Extents[0].Length() / pixelMm);
+    this->Rows = 1 + static_cast<int>(this->Extents[1].Length() / pixelMm);
+    const CutPanel& panel = this->Panel;
+    const Vector3 normal = Cross(panel.Right, panel.Up);
+    vtkNew<vtkStaticCellLocator> locator;
+    locator->SetDataSet(panel.Mesh);
+    locator->BuildLocator();
+    vtkNew<vtkGenericCell> generic;
+    std::set<vtkIdType> different;
+    std::size_t inside = 0;
+    for (int y = 0; y < this->Rows; ++y)
+    {
+      for (int x = 0; x < this->Columns; ++x)
+      {
+        // A little beside the middle and the plane, which are on faces of regular meshes.
+        const double right = this->Extents[0].Low + (x + 0.501) * pixelMm;
+        const double up = this->Extents[1].Low + (y + 0.501) * pixelMm;
+        Vector3 point =
+          right * panel.Right + up * panel.Up + (Dot(panel.Point, normal) + 1e-6) * normal;
+        double parametric[3];
+        double weights[4];
+        const vtkIdType cell = locator->FindCell(point.data(), 0, generic, parametric, weights);
+        this->Cells.push_back(cell);
+        if (cell >= 0)
+        {
+          ++inside;
+          different.insert(cell);
+          materials.insert(this->MaterialOf(cell));
+        }
+      }
+    }
+    if (inside == 0)
+    {
+      throw InputError("cut picture: expected a plane that meets the mesh, found none of it in '" +
+        panel.Title + "'");
+    }
+    this->WithEdges = inside > 12 * different.size();
+  }
+
+  void Draw(Picture& picture, int left, int low) const
+  {
+    const auto cellAt = [&](int x, int y) -> vtkIdType
+    {
+      const bool beside = x >= this->Columns || y >= this->Rows;
+      return beside ? -1 : this->Cells[static_cast<std::size_t>(y) * this->Columns + x];
+    };
+    for (int y = 0; y < this->Rows; ++y)
+    {
+      for (int x = 0; x < this->Columns; ++x)
+      {
+        const vtkIdType cell = cellAt(x, y);
+        if (cell >= 0)
+        {
+          const bool edge =
+            this->WithEdges && (cell != cellAt(x + 1, y) || cell != cellAt(x, y + 1));
+          const PictureColor color =
+            GroupColor(static_cast<std::size_t>(this->MaterialOf(cell)) - 1);
+          picture.Set(left + x, low + y, edge ? Mixed(Black, color, 0.6) : color);
+        }
+      }
+    }
+    for (const std::vector<Vector3>& line : this->Panel.Lines)
+    {
+      PictureLine points;
+      for (const Vector3& point : line)
+      {
+        points.push_back(
+          { left + (Dot(point, this->Panel.Right) - this->Extents[0].Low) / this->PixelMm,
+            low + (Dot(point, this->Panel.Up) - this->Extents[1].Low) / this->PixelMm });
+      }
+      picture.Lines(points, 1.5, PictureInk);
+    }
+  }
+
+private:
+  int MaterialOf(vtkIdType cell) const
+  {
+    return this->Mesh.Materials[static_cast<std::size_t>(cell)];
+  }
+
+  const CutPanel& Panel;
+  TetrahedralMesh Mesh;
+  std::array<Extent, 2> Extents;
+  double PixelMm = 1;
+  int Columns = 0;
+  int Rows = 0;
+  /// Whether cells are so wide that edges leave their colour visible.
+  bool WithEdges = false;
+  /// Row by row from below; -1 outside.
+  std::vector<vtkIdType> Cells;
 };
-
-struct Cut
-{
-  std::vector<CutCell> Cells;
-  std::vector<std::vector<PicturePoint>> Lines;
-  PicturePoint Least{ std::numeric_limits<double>::max(), std::numeric_limits<double>::max() };
-  PicturePoint Most{ std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest() };
-
-  double Width() const { return this->Most.X - this->Least.X; }
-  double Height() const { return this->Most.Y - this->Least.Y; }
-};
-
-Cut MakeCut(const CutPanel& panel)
-{
-  const auto inPlane = [&](const Vector3& point)
-  {
-    return PicturePoint{ Dot(point - panel.Point, panel.Right),
-      Dot(point - panel.Point, panel.Up) };
-  };
-  const Vector3 normal = Cross(panel.Right, panel.Up);
-  vtkNew<vtkPlane> plane;
-  plane->SetOrigin(panel.Point.data());
-  plane->SetNormal(normal.data());
-  vtkNew<vtkCutter> cutter;
-  cutter->SetInputData(panel.Mesh);
-  cutter->SetCutFunction(plane);
-  cutter->GenerateTrianglesOff();
-  cutter->Update();
-  vtkPolyData* polygons = cutter->GetOutput();
-  Cut cut;
-  vtkDataArray* materials = polygons->GetCellData()->GetArray(MaterialArrayName);
-  if (!materials)
-  {
-    return cut;
-  }
-  for (vtkIdType cell = 0; cell < polygons->GetNumberOfCells(); ++cell)
-  {
-    vtkIdType count = 0;
-    const vtkIdType* ids = nullptr;
-    polygons->GetCellPoints(cell, count, ids);
-    CutCell& added = cut.Cells.emplace_back();
-    added.Material = static_cast<int>(materials->GetTuple1(cell));
-    for (vtkIdType corner = 0; corner < count; ++corner)
-    {
-      Vector3 point;
-      polygons->GetPoint(ids[corner], point.data());
-      const PicturePoint at = inPlane(point);
-      added.Corners.push_back(at);
-      cut.Least = { std::min(cut.Least.X, at.X), std::min(cut.Least.Y, at.Y) };
-      cut.Most = { std::max(cut.Most.X, at.X), std::max(cut.Most.Y, at.Y) };
-    }
-  }
-  for (int side = 0; side < 2 && !panel.Lines.empty(); ++side)
-  {
-    // Lines that the cells touch would else be halved.
-    double& least = side == 0 ? cut.Least.X : cut.Least.Y;
-    double& most = side == 0 ? cut.Most.X : cut.Most.Y;
-    least -= LineMarginMm;
-    most += LineMarginMm;
-  }
-  for (const std::vector<Vector3>& line : panel.Lines)
-  {
-    std::vector<PicturePoint>& added = cut.Lines.emplace_back();
-    std::transform(line.begin(), line.end(), std::back_inserter(added), inPlane);
-  }
-  return cut;
-}
-
-/// Mean length of the sides of the cut cells, mm.
-double MeanSideMm(const Cut& cut)
-{
-  double sum = 0;
-  std::size_t count = 0;
-  for (const CutCell& cell : cut.Cells)
-  {
-    for (std::size_t corner = 0; corner < cell.Corners.size(); ++corner)
-    {
-      const PicturePoint& a = cell.Corners[corner];
-      const PicturePoint& b = cell.Corners[(corner + 1) % cell.Corners.size()];
-      sum += std::hypot(a.X - b.X, a.Y - b.Y);
-      ++count;
-    }
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
-/// Supersampling pixels for each of `pixelMm`.
-Picture DrawCut(const Cut& cut, int width, int height, double pixelMm)
-{
-  Picture picture(Supersampling * width, Supersampling * height);
-  const double scale = Supersampling / pixelMm;
-  const auto at = [&](const PicturePoint& point) {
-    return PicturePoint{ (point.X - cut.Least.X) * scale, (point.Y - cut.Least.Y) * scale };
-  };
-  const bool withEdges = MeanSideMm(cut) > 3 * pixelMm;
-  const auto color = [](const CutCell& cell)
-  { return GroupColor(static_cast<std::size_t>(cell.Material) - 1); };
-  for (const CutCell& cell : cut.Cells)
-  {
-    std::vector<PicturePoint> corners(cell.Corners.size());
-    std::transform(cell.Corners.begin(), cell.Corners.end(), corners.begin(), at);
-    picture.Polygon(corners, color(cell));
-  }
-  for (const CutCell& cell : cut.Cells)
-  {
-    for (std::size_t corner = 0; withEdges && corner < cell.Corners.size(); ++corner)
-    {
-      picture.Line(at(cell.Corners[corner]), at(cell.Corners[(corner + 1) % cell.Corners.size()]),
-        2, Mixed({ 0, 0, 0 }, color(cell), 0.6));
-    }
-  }
-  for (const std::vector<PicturePoint>& line : cut.Lines)
-  {
-    for (std::size_t point = 1; point < line.size(); ++point)
-    {
-      picture.Line(at(line[point - 1]), at(line[point]), 6, PictureInk);
-    }
-  }
-  return picture;
-}
-
-void DrawScaleBar(Picture& picture, double x, double y, double pixelMm)
-{
-  const double lengthMm = TickStep(100 * pixelMm, 1);
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g mm", lengthMm);
-  picture.Box(x, y, x + lengthMm / pixelMm, y + 3, PictureInk);
-  picture.Text(x + 0.5 * lengthMm / pixelMm, y + 16, 0.5, text);
-}
 }
 
 void WriteCutPicture(const std::vector<CutPanel>& panels,
   const std::vector<std::string>& materialNames, const std::string& path)
 {
-  std::vector<Cut> cuts;
+  std::vector<Cut> cuts(panels.begin(), panels.end());
   double longestMm = 0;
-  std::set<int> materials;
-  for (const CutPanel& panel : panels)
-  {
-    cuts.push_back(MakeCut(panel));
-    Cut& cut = cuts.back();
-    if (cut.Cells.empty())
-    {
-      throw InputError("cut picture: expected a plane that meets the mesh, found none of it in '" +
-        panel.Title + "'");
-    }
-    longestMm = std::max({ longestMm, cut.Width(), cut.Height() });
-    for (const CutCell& cell : cut.Cells)
-    {
-      materials.insert(cell.Material);
-    }
-  }
-  const double pixelMm = longestMm / LongestSidePixels;
-  const auto pixels = [&](double mm) { return std::max(1, static_cast<int>(mm / pixelMm) + 1); };
-  int width = CutMargin + CutLegendWidth;
-  int height = 0;
   for (const Cut& cut : cuts)
   {
-    width += pixels(cut.Width()) + CutMargin;
-    height = std::max(height, pixels(cut.Height()));
+    longestMm = std::max(longestMm, cut.LongestMm());
+  }
+  const double pixelMm = longestMm / LongestSidePixels;
+  std::set<int> materials;
+  int width = CutMargin + CutLegendWidth;
+  int height = 0;
+  for (Cut& cut : cuts)
+  {
+    cut.Sample(pixelMm, materials);
+    width += cut.Width() + CutMargin;
+    height = std::max(height, cut.Height());
   }
   Picture picture(width, height + TitleHeight + 2 * CutMargin);
   int left = CutMargin;
   for (std::size_t index = 0; index < cuts.size(); ++index)
   {
     const Cut& cut = cuts[index];
-    const int across = pixels(cut.Width());
-    picture.PasteShrunk(left, TitleHeight + CutMargin + (height - pixels(cut.Height())) / 2,
-      Supersampling, DrawCut(cut, across, pixels(cut.Height()), pixelMm));
-    picture.Text(left + 0.5 * across, 0.5 * TitleHeight, 0.5, panels[index].Title);
-    left += across + CutMargin;
+    cut.Draw(picture, left, TitleHeight + CutMargin + (height - cut.Height()) / 2);
+    picture.Text(left + 0.5 * cut.Width(), 0.5 * TitleHeight, 0.5, panels[index].Title);
+    left += cut.Width() + CutMargin;
   }
-  std::size_t row = 0;
+  PictureLegend legend;
   for (const int material : materials)
   {
     const auto index = static_cast<std::size_t>(material);
-    picture.LegendEntry(left, picture.Height() - CutMargin, row++, index - 1,
-      index < materialNames.size() ? materialNames[index] : "material " + std::to_string(material));
+    legend.emplace_back(index < materialNames.size() ? materialNames[index]
+                                                     : "material " + std::to_string(material),
+      GroupColor(index - 1));
   }
-  DrawScaleBar(picture, left, 0.5 * TitleHeight, pixelMm);
-  picture.Write(path);
+  picture.Legend(left, picture.Height() - CutMargin, legend);
+  const double barMm = TickStep(100 * pixelMm, 1);
+  picture.ScaleBar(left + barMm / pixelMm, 0.5 * TitleHeight, barMm, pixelMm);
+  WriteAtomicFile(path, picture.Png());
 }
 
 std::vector<CutPanel> CutsThrough(vtkUnstructuredGrid* mesh, const Vector3& point)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/HistogramPicture.h"
-
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/AtomicFile.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,11 +89,13 @@ void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std:
     DrawPanel(picture, panels[index], static_cast<int>(index) * PanelWidth);
   }
   const std::vector<HistogramPanel::Group>& groups = panels.front().Groups;
-  for (std::size_t group = 0; group < groups.size(); ++group)
+  PictureLegend legend;
+  for (const HistogramPanel::Group& group : groups)
   {
-    picture.LegendEntry(static_cast<double>(panels.size()) * PanelWidth,
-      PictureHeight - HistogramTop, group, group, groups[group].Name);
+    legend.emplace_back(group.Name, GroupColor(legend.size()));
   }
-  picture.Write(path);
+  picture.Legend(static_cast<double>(panels.size()) * PanelWidth, PictureHeight - HistogramTop,
+    legend);
+  WriteAtomicFile(path, picture.Png());
 }
 }

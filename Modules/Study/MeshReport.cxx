@@ -2,8 +2,7 @@
 #include "mammoray/Study/MeshCase.h"
 
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/Study/CutPicture.h"
-#include "mammoray/Study/HistogramPicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -150,20 +150,6 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   return file;
 }
 
-RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& file)
-{
-  RegistrationReport report;
-  report.RealMammogram = &registered.Mammogram;
-  report.Target = &registered.View.Target;
-  report.Result = &registered.Registration;
-  report.ShareExcluded = file.ShareExcluded;
-  report.Inputs = file.Inputs;
-  report.Versions = file.Versions;
-  report.Versions.emplace_back("Spectrum", file.Spectrum);
-  report.Warnings = file.Warnings;
-  return report;
-}
-
 /// How each projection of a tomosynthesis agrees with the one compression.
 ReportSection ProjectionSection(const RegisteredView& registered)
 {
@@ -285,6 +271,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
 {
   const std::vector<std::string> folders = MammogramFolders(result);
   std::vector<ResultFile> files;
+  files.reserve(folders.size()); // reports refer to them
   JointReport report;
   if (result.Tissue)
   {
@@ -307,10 +294,12 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     const RegisteredBreast breast = BreastOf(result, registered, files.back());
     WriteMesh(breast.Uncompressed(), own + "/uncompressed.vtu");
     WriteMesh(breast.Compressed(), own + "/compressed.vtu");
-    RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
+    RegistrationReport& told = report.Mammograms.emplace_back();
+    told.Registered = &registered;
+    told.File = &files.back();
     told.Examination = ExaminationOf(input, registered.Path);
     told.Asked = asked;
-    told.Places = PlacesIn(input, result, registered, asked, breast);
+    told.Places = PlacesIn(input, result, asked, breast);
     told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
     for (const ReportSection& section : report.Sections)
     {
@@ -332,14 +321,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     return;
   }
   const JointResultFile joint = JointOf(result, folders, files);
-  for (const JointResultFile::Unknown& unknown : joint.Unknowns)
-  {
-    if (!unknown.Folder)
-    {
-      report.Shared.push_back({ unknown.Name, unknown.Value, unknown.StandardDeviation });
-    }
-  }
-  report.Folders = folders;
+  report.File = &joint;
   WriteJointReport(report, folder);
   WriteResultFile(joint, folder);
 }

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/RegistrationReport.h"
 
-#include "Private/ConvergencePlot.h"
-#include "Private/ReportAnswer.h"
-#include "Private/ReportPage.h"
-#include "Private/ReportPictures.h"
-#include "Private/ReportSections.h"
+#include "Private/ReportParts.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 
@@ -15,41 +11,7 @@ namespace mammoray
 {
 namespace
 {
-void Validate(const RegistrationReport& report)
-{
-  if (!report.RealMammogram || !report.Target || !report.Result)
-  {
-    throw InputError("report: expected a mammogram, a target and a result, found one missing");
-  }
-  const RegistrationTarget& target = *report.Target;
-  const std::vector<float>& synthetic = report.Result->Synthetic.LogAttenuation;
-  const std::size_t count =
-    static_cast<std::size_t>(target.Grid.Columns) * static_cast<std::size_t>(target.Grid.Rows);
-  if (count == 0 || target.LogAttenuation.size() != count || target.BreastMask.size() != count ||
-    target.SignedDistanceMm.size() != count || synthetic.size() != count)
-  {
-    throw InputError("report: expected " + std::to_string(target.Grid.Columns) + " x " +
-      std::to_string(target.Grid.Rows) + " pixels in target and synthetic image, found " +
-      std::to_string(synthetic.size()) + " synthetic ones");
-  }
-  if (report.Places.size() != report.Asked.size())
-  {
-    throw InputError("report: expected an answer to each of " +
-      std::to_string(report.Asked.size()) + " places, found " +
-      std::to_string(report.Places.size()));
-  }
-  const ViewResult& result = *report.Result;
-  if (result.Values.size() != result.Parameters.size() ||
-    result.StandardDeviations.size() != result.Parameters.size())
-  {
-    throw InputError("report: expected a value and a deviation for each of " +
-      std::to_string(result.Parameters.size()) + " parameters, found " +
-      std::to_string(result.Values.size()) + " and " +
-      std::to_string(result.StandardDeviations.size()));
-  }
-}
-
-/// All that the report of one mammogram tells, drawn and worded.
+/// The report of one mammogram, drawn and worded.
 struct Composed
 {
   ReportPictures Pictures;
@@ -60,12 +22,18 @@ struct Composed
 
 Composed Compose(const RegistrationReport& report)
 {
-  Validate(report);
   Composed parts;
   parts.Pictures = DrawPictures(report);
-  parts.Plot = ConvergencePlot(report.Result->Iterations);
+  parts.Plot = ConvergencePlot(report.Registered->Registration.Iterations);
   parts.Html = MammogramHtml(report, parts.Pictures, parts.Plot);
   return parts;
+}
+
+std::string BreastText(const Mammogram& mammogram)
+{
+  return mammogram.Laterality == 'L' ? "Left breast"
+    : mammogram.Laterality == 'R'    ? "Right breast"
+                                     : "Breast of unstated side";
 }
 
 std::string TitleOf(const Mammogram& mammogram, std::size_t number)
@@ -76,7 +44,7 @@ std::string TitleOf(const Mammogram& mammogram, std::size_t number)
 
 void WriteParts(const RegistrationReport& report, const Composed& parts, const std::string& folder)
 {
-  const Mammogram& mammogram = *report.RealMammogram;
+  const Mammogram& mammogram = report.Registered->Mammogram;
   const std::string subtitle =
     BreastText(mammogram) + (mammogram.View.empty() ? "" : ", " + mammogram.View + " view");
   const std::string html =
@@ -107,35 +75,29 @@ void WriteRegistrationReport(const RegistrationReport& report, const std::string
 
 void WriteJointReport(const JointReport& report, const std::string& folder)
 {
-  if (report.Mammograms.empty() || report.Mammograms.size() != report.Folders.size())
-  {
-    throw InputError("report: expected a folder for each of " +
-      std::to_string(report.Mammograms.size()) + " mammograms, found " +
-      std::to_string(report.Folders.size()));
-  }
   std::vector<Composed> parts;
   parts.reserve(report.Mammograms.size());
   std::vector<AnsweredMammogram> answered;
   std::string html;
   std::string titles;
-  for (std::size_t number = 0; number < report.Mammograms.size(); ++number)
+  for (const RegistrationReport& each : report.Mammograms)
   {
-    const RegistrationReport& told = report.Mammograms[number];
-    const std::string title = TitleOf(*told.RealMammogram, number);
-    parts.push_back(Compose(told));
-    answered.push_back({ title, &told, &parts.back().Pictures });
-    html += MammogramHeading(title) + parts.back().Html;
-    titles += (number == 0 ? "" : ", ") + title;
+    const std::string title = TitleOf(each.Registered->Mammogram, parts.size());
+    parts.push_back(Compose(each));
+    answered.push_back({ title, &each, &parts.back().Pictures });
+    html += "<h1 class=\"view\">" + Escape(title) + "</h1>\n" + parts.back().Html;
+    titles += ", " + title;
   }
-  for (std::size_t number = 0; number < report.Mammograms.size(); ++number)
+  for (std::size_t number = 0; number < parts.size(); ++number)
   {
-    WriteParts(report.Mammograms[number], parts[number], folder + "/" + report.Folders[number]);
+    WriteParts(report.Mammograms[number], parts[number],
+      folder + "/" + report.File->Mammograms[number].Folder);
   }
   const RegistrationReport& first = report.Mammograms.front();
-  html = AnswerHtml(first.Asked, answered) + html + SharedHtml(report.Shared) +
+  html = AnswerHtml(first.Asked, answered) + html + SharedHtml(*report.File) +
     SectionsHtml(report.Sections);
   WriteAtomicFile((std::filesystem::path(folder) / "report.html").string(),
-    PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, first.Examination,
+    PageHtml(first.Title, BreastText(first.Registered->Mammogram) + titles, first.Examination,
       html));
 }
 }

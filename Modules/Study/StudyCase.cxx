@@ -4,7 +4,7 @@
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/CutTissue.h"
-#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #ifdef MAMMORAY_HAS_SEGMENTATION
 #include "mammoray/Segmentation/BreastSegmentation.h"
@@ -180,7 +180,7 @@ ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue)
   section.Rows.emplace_back("Breast in the MRI", rounded(tissue.BreastCm3) + " cm3");
   section.Rows.emplace_back("Gland in it", rounded(100 * tissue.GlandFraction) + " %");
   section.Rows.emplace_back("Stands out by", rounded(tissue.DepthMm) + " mm");
-  section.Picture = SlicePicturePng(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
+  section.Picture = DrawLabelSlices(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
     FindMaterialTable(StudyMaterials).Names());
   section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "
                     "everywhere: look at it first.";

@@ -6,9 +6,10 @@
 #include "Files.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
-#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include <gtest/gtest.h>
 
@@ -355,8 +356,10 @@ void Draw(const std::string& name, const SegmentationResult& found)
 {
   if (const char* folder = std::getenv("MAMMORAY_PICTURES"))
   {
-    WriteSlicePicture(found.Corrected, found.Labels, AnatomicalAxes(),
-      FindMaterialTable("segment").Names(), std::string(folder) + "/" + name + ".png");
+    WriteAtomicFile(std::string(folder) + "/" + name + ".png",
+      DrawLabelSlices(found.Corrected, found.Labels, AnatomicalAxes(),
+        FindMaterialTable("segment").Names())
+        .Png);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/Private/ConvergencePlot.h"
+#include "mammoray/Study/Private/ReportParts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

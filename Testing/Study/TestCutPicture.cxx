@@ -4,7 +4,7 @@
 #include "TestMeshes.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/Study/CutPicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Study/HistogramPicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

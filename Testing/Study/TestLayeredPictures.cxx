@@ -3,9 +3,8 @@
 #include "Files.h"
 #include "TestMeshes.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Study/BreastPicture.h"
 #include "mammoray/Study/ContourLines.h"
-#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"
@@ -32,8 +32,8 @@ TEST(SlicePicture, ShowsTheImageAndTheOutlines)
     image.Voxels.push_back(deep < 5 ? 0.0f : deep < 15 ? 100.0f : 50.0f);
   }
   const test::TemporaryFolder folder;
-  const std::string path = folder.File("slices.png");
-  WriteSlicePicture(image, labels, {}, { "air", "fat", "gland" }, path);
+  const std::string path =
+    folder.Write("slices.png", DrawLabelSlices(image, labels, {}, { "air", "fat", "gland" }).Png);
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
@@ -64,8 +64,8 @@ TEST(SlicePicture, ShowsTheImageAndTheOutlines)
   EXPECT_GT((colors[{ 128, 128, 128 }]), 3 * 80 * 80);
 
   image.Size[0] = 39;
-  EXPECT_THROW(WriteSlicePicture(image, labels, {}, {}, path), InputError);
+  EXPECT_THROW(DrawLabelSlices(image, labels, {}, {}), InputError);
   image.Size[0] = 40;
   labels.Voxels.assign(64000, 0);
-  EXPECT_THROW(WriteSlicePicture(image, labels, {}, {}, path), InputError);
+  EXPECT_THROW(DrawLabelSlices(image, labels, {}, {}), InputError);
 }

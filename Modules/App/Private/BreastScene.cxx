@@ -3,7 +3,7 @@
 
 #include "Private/SceneShapes.h"
 #include "mammoray/Registration/PosedBreast.h"
-#include "mammoray/Study/BreastPicture.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkActor.h"
 #include "vtkBillboardTextActor3D.h"

@@ -6,11 +6,10 @@
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/BreastInUnit.h"
-#include "mammoray/Study/BreastPicture.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
-#include "mammoray/Study/SlicePicture.h"
 #include "mammoray/Study/StudyCase.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"
@@ -58,35 +57,6 @@ LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3
   slices.Lesions = lesion != 0 ? result.Lesions.get() : nullptr;
   slices.LesionLabel = lesion;
   return DrawPointSlices(slices);
-}
-
-PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const ReceptorGrid& grid)
-{
-  PlaceInMammogram place;
-  place.Material = imaged.Material;
-  place.ReceptorMm = imaged.ReceptorMm;
-  place.Column = imaged.Column;
-  place.Row = imaged.Row;
-  place.InImage = imaged.InImage;
-  if (imaged.Uncertainty)
-  {
-    place.HalfAxesMm = { Deviations95 * imaged.Uncertainty->MajorMm,
-      Deviations95 * imaged.Uncertainty->MinorMm };
-    place.Ellipse = EllipsePoints(*imaged.Uncertainty, imaged.ReceptorMm, grid, Deviations95);
-  }
-  return place;
-}
-
-void AddOutlines(const LesionShadow& shadow, const ReceptorGrid& grid, PlaceInMammogram& place)
-{
-  for (const auto& outline : shadow.Outlines)
-  {
-    auto& receptor = place.Outlines.emplace_back();
-    for (const auto& [column, row] : outline)
-    {
-      receptor.push_back(grid.PositionOf(column, row));
-    }
-  }
 }
 }
 
@@ -175,8 +145,8 @@ RegisteredBreast BreastOf(const RegistrationCaseResult& result, const Registered
 }
 
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
-  const RegistrationCaseResult& result, const RegisteredView& registered,
-  const std::vector<AskedPlace>& asked, const RegisteredBreast& breast)
+  const RegistrationCaseResult& result, const std::vector<AskedPlace>& asked,
+  const RegisteredBreast& breast)
 {
   std::vector<PlaceInMammogram> places;
   const std::vector<Lesion> lesions =
@@ -191,15 +161,12 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
     {
       if (index < points)
       {
-        places.push_back(
-          PlaceOf(breast.ToMammogram(asked[index].Point), registered.View.Target.Grid));
+        places.push_back({ {}, breast.ToMammogram(asked[index].Point), {} });
         continue;
       }
       const LesionShadow shadow =
         ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
-      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.View.Target.Grid);
-      AddOutlines(shadow, registered.View.Target.Grid, place);
-      places.push_back(std::move(place));
+      places.push_back({ {}, shadow.ImagedCentre, shadow.Outlines });
     }
     catch (const InputError& error) // the rest of the result is not lost for that
     {

@@ -30,8 +30,8 @@ RegisteredBreast BreastOf(const RegistrationCaseResult& result, const Registered
 /// Where one mammogram, whose breast is BreastOf, shows each of them. What cannot be found
 /// there says so. Throws DeviceError.
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
-  const RegistrationCaseResult& result, const RegisteredView& registered,
-  const std::vector<AskedPlace>& asked, const RegisteredBreast& breast);
+  const RegistrationCaseResult& result, const std::vector<AskedPlace>& asked,
+  const RegisteredBreast& breast);
 
 /// The breast between the plates, with what was asked for.
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ConvergencePlot.h"
-
 #include "Private/Picture.h"
+#include "Private/ReportParts.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <locale>
-#include <sstream>
 
 namespace mammoray
 {
@@ -17,9 +15,9 @@ namespace
 constexpr double Width = 960;
 constexpr double Height = 320;
 constexpr double Left = 74;
-constexpr double Right = 150;
+constexpr double Right = 810;
 constexpr double Top = 18;
-constexpr double Bottom = 52;
+constexpr double Bottom = 268;
 
 struct Curve
 {
@@ -36,23 +34,18 @@ struct PlotAxes
 {
   int LastNumber = 1;
   bool Logarithmic = false;
-  /// Ends of the ordinate and the distance of its ticks; decades where it is logarithmic.
+  /// Ends of the ordinate and the distance of its ticks; decades if it is logarithmic.
   double Low = 0;
   double High = 0;
   double Step = 1;
 
-  double X(double number) const
-  {
-    return Left + (Width - Left - Right) * number / this->LastNumber;
-  }
+  double X(double number) const { return Left + (Right - Left) * number / this->LastNumber; }
   double Y(double value) const
   {
     const double scaled =
       this->Logarithmic ? std::log10(std::max(value, std::pow(10.0, this->Low))) : value;
-    return Height - Bottom -
-      (Height - Top - Bottom) * (scaled - this->Low) / (this->High - this->Low);
+    return Bottom - (Bottom - Top) * (scaled - this->Low) / (this->High - this->Low);
   }
-  bool Empty() const { return !(this->High > this->Low); }
 };
 
 PlotAxes AxesOf(const std::vector<RegistrationIteration>& iterations)
@@ -81,95 +74,88 @@ PlotAxes AxesOf(const std::vector<RegistrationIteration>& iterations)
   return axes;
 }
 
-/// A stream whose numbers have points whatever the locale.
-std::ostringstream PlainStream()
+/// ` name="value"` of an SVG element.
+std::string Attribute(const char* name, double value)
 {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  return stream;
+  return std::string(" ") + name + "=\"" + NumberText(value) + "\"";
+}
+
+std::string LineSvg(double x1, double x2, double y, const std::string& style)
+{
+  return "<line" + Attribute("x1", x1) + Attribute("x2", x2) + Attribute("y1", y) +
+    Attribute("y2", y) + " " + style + "/>\n";
+}
+
+std::string TextSvg(double x, double y, const char* anchor, const std::string& text)
+{
+  return "<text" + Attribute("x", x) + Attribute("y", y) + " text-anchor=\"" + anchor + "\">" +
+    text + "</text>\n";
 }
 
 std::string AxesSvg(const PlotAxes& axes)
 {
-  std::ostringstream svg = PlainStream();
-  std::ostringstream labels = PlainStream();
-  svg << "<g stroke=\"#e5e7eb\">\n";
+  std::string svg = "<g fill=\"#4b5563\">\n";
   for (double tick = axes.Low; tick <= axes.High + 1e-9 * axes.High; tick += axes.Step)
   {
     const double value = axes.Logarithmic ? std::pow(10.0, tick) : tick;
-    const double y = axes.Y(value);
-    svg << "<line x1=\"" << Left << "\" x2=\"" << Width - Right << "\" y1=\"" << y << "\" y2=\""
-        << y << "\"/>\n";
-    labels << "<text x=\"" << Left - 8 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">" << value
-           << "</text>\n";
+    svg += LineSvg(Left, Right, axes.Y(value), "stroke=\"#e5e7eb\"") +
+      TextSvg(Left - 8, axes.Y(value) + 4, "end", NumberText(value));
   }
-  svg << "</g>\n<g fill=\"#4b5563\">\n" << labels.str();
   const int every = std::max(1, static_cast<int>(TickStep(axes.LastNumber, 10)));
   for (int number = 0; number <= axes.LastNumber; number += every)
   {
-    svg << "<text x=\"" << axes.X(number) << "\" y=\"" << Height - Bottom + 18
-        << "\" text-anchor=\"middle\">" << number << "</text>\n";
+    svg += TextSvg(axes.X(number), Bottom + 18, "middle", NumberText(number));
   }
-  svg << "<text x=\"" << 0.5 * (Left + Width - Right) << "\" y=\"" << Height - 12
-      << "\" text-anchor=\"middle\">Iteration</text>\n"
-      << "<text transform=\"translate(18 " << 0.5 * (Top + Height - Bottom)
-      << ") rotate(-90)\" text-anchor=\"middle\">Cost (half the sum of squared residuals)</text>\n"
-      << "</g>\n<line x1=\"" << Left << "\" x2=\"" << Width - Right << "\" y1=\"" << Height - Bottom
-      << "\" y2=\"" << Height - Bottom << "\" stroke=\"#6b7280\"/>\n";
-  return svg.str();
+  return svg + TextSvg(0.5 * (Left + Right), Height - 12, "middle", "Iteration") +
+    "<g transform=\"translate(18 143) rotate(-90)\">" +
+    TextSvg(0, 0, "middle", "Cost (half the sum of squared residuals)") + "</g>\n</g>\n" +
+    LineSvg(Left, Right, Bottom, "stroke=\"#6b7280\"");
 }
 
 /// A curve with its dots, and its line of the legend at the height `legend`.
 std::string CurveSvg(const Curve& curve, const std::vector<RegistrationIteration>& iterations,
   const PlotAxes& axes, double legend)
 {
-  std::ostringstream svg = PlainStream();
-  std::ostringstream dots = PlainStream();
-  svg << "<g stroke=\"" << curve.Color << "\" fill=\"" << curve.Color
-      << "\">\n<polyline fill=\"none\" stroke-width=\"2\" points=\"";
+  std::string points;
+  std::string dots;
   for (const RegistrationIteration& iteration : iterations)
   {
     const double value = iteration.*curve.Value;
     if (std::isfinite(value))
     {
-      svg << axes.X(iteration.Number) << ',' << axes.Y(value) << ' ';
-      dots << "<circle cx=\"" << axes.X(iteration.Number) << "\" cy=\"" << axes.Y(value)
-           << "\" r=\"3\"/>\n";
+      const double x = axes.X(iteration.Number);
+      const double y = axes.Y(value);
+      points += NumberText(x) + "," + NumberText(y) + " ";
+      dots += "<circle" + Attribute("cx", x) + Attribute("cy", y) + " r=\"3\"/>\n";
     }
   }
-  const double x = Width - Right + 20;
-  svg << "\"/>\n"
-      << dots.str() << "<line x1=\"" << x << "\" x2=\"" << x + 22 << "\" y1=\"" << legend
-      << "\" y2=\"" << legend << "\" stroke-width=\"2\"/>\n"
-      << "<text x=\"" << x + 30 << "\" y=\"" << legend + 4 << "\" stroke=\"none\">" << curve.Name
-      << "</text>\n</g>\n";
-  return svg.str();
+  const std::string color = std::string("\"") + curve.Color + "\"";
+  return "<g fill=" + color + ">\n<polyline fill=\"none\" stroke-width=\"2\" stroke=" + color +
+    " points=\"" + points + "\"/>\n" + dots +
+    LineSvg(Right + 20, Right + 42, legend, "stroke-width=\"2\" stroke=" + color) +
+    TextSvg(Right + 50, legend + 4, "start", curve.Name) + "</g>\n";
 }
 }
 
 std::string ConvergencePlot(const std::vector<RegistrationIteration>& iterations)
 {
-  std::ostringstream svg = PlainStream();
-  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << Width << ' ' << Height
-      << "\" width=\"" << Width << "\" height=\"" << Height
-      << "\" font-family=\"system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif\" "
-         "font-size=\"12\" role=\"img\" aria-label=\"Cost by iteration\">\n"
-      << "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 960 320\"" +
+    Attribute("width", Width) + Attribute("height", Height) +
+    " font-family=\"system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif\" "
+    "font-size=\"12\" role=\"img\" aria-label=\"Cost by iteration\">\n"
+    "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   const PlotAxes axes = AxesOf(iterations);
-  if (axes.Empty())
+  if (!(axes.High > axes.Low))
   {
-    svg << "<text x=\"" << Width / 2 << "\" y=\"" << Height / 2
-        << "\" text-anchor=\"middle\" fill=\"#6b7280\">No iterations to show</text>\n</svg>\n";
-    return svg.str();
+    return svg + TextSvg(0.5 * Width, 0.5 * Height, "middle", "No iterations to show") + "</svg>\n";
   }
-  svg << AxesSvg(axes);
+  svg += AxesSvg(axes);
   double legend = Top + 10;
   for (const Curve& curve : Curves)
   {
-    svg << CurveSvg(curve, iterations, axes, legend);
+    svg += CurveSvg(curve, iterations, axes, legend);
     legend += 22;
   }
-  svg << "</svg>\n";
-  return svg.str();
+  return svg + "</svg>\n";
 }
 }

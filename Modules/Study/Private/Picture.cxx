@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Picture.h"
 
+#include "Private/ReportParts.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/AtomicFile.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include "vtkFreeTypeTools.h"
 #include "vtkImageShrink3D.h"
@@ -22,6 +23,20 @@ constexpr PictureColor Palette[] = { { 230, 159, 0 }, { 86, 180, 233 }, { 0, 158
   { 240, 228, 66 }, { 0, 114, 178 }, { 213, 94, 0 }, { 204, 121, 167 }, { 120, 120, 120 } };
 constexpr int TextDpi = 96;
 constexpr int HaloPixels = 2;
+constexpr double LeastStepPixels = 0.7;
+
+/// A length to a tenth of a pixel.
+std::string Tenths(double value)
+{
+  return NumberText(0.1 * std::round(10 * value));
+}
+
+std::string HexColor(const PictureColor& color)
+{
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", color[0], color[1], color[2]);
+  return text;
+}
 }
 
 PictureColor GroupColor(std::size_t group)
@@ -55,7 +70,6 @@ double TickStep(double range, double wanted)
 }
 
 Picture::Picture(int width, int height, const PictureColor& background)
-  : Size{ width, height }
 {
   this->Image->SetDimensions(width, height, 1);
   this->Image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
@@ -64,7 +78,7 @@ Picture::Picture(int width, int height, const PictureColor& background)
 
 unsigned char* Picture::Pixel(int x, int y)
 {
-  const bool inside = x >= 0 && y >= 0 && x < this->Size[0] && y < this->Size[1];
+  const bool inside = x >= 0 && y >= 0 && x < this->Width() && y < this->Height();
   return inside ? static_cast<unsigned char*>(this->Image->GetScalarPointer(x, y, 0)) : nullptr;
 }
 
@@ -97,30 +111,6 @@ void Picture::Box(double x0, double y0, double x1, double y1, const PictureColor
   }
 }
 
-void Picture::Polygon(const std::vector<PicturePoint>& corners, const PictureColor& color)
-{
-  const auto [lowest, highest] = std::minmax_element(corners.begin(), corners.end(),
-    [](const PicturePoint& a, const PicturePoint& b) { return a.Y < b.Y; });
-  const int last = std::min(this->Size[1] - 1, static_cast<int>(std::floor(highest->Y - 0.5)));
-  for (int y = std::max(0, static_cast<int>(std::ceil(lowest->Y - 0.5))); y <= last; ++y)
-  {
-    double left = this->Size[0];
-    double right = 0;
-    for (std::size_t corner = 0; corner < corners.size(); ++corner)
-    {
-      const PicturePoint& a = corners[corner];
-      const PicturePoint& b = corners[(corner + 1) % corners.size()];
-      if ((a.Y <= y + 0.5) != (b.Y <= y + 0.5))
-      {
-        const double x = a.X + (y + 0.5 - a.Y) / (b.Y - a.Y) * (b.X - a.X);
-        left = std::min(left, x);
-        right = std::max(right, x);
-      }
-    }
-    this->Box(std::ceil(std::max(0.0, left) - 0.5), y, std::floor(right + 0.5), y + 1, color);
-  }
-}
-
 void Picture::Line(const PicturePoint& from, const PicturePoint& to, double width,
   const PictureColor& color)
 {
@@ -132,9 +122,9 @@ void Picture::Line(const PicturePoint& from, const PicturePoint& to, double widt
   { return static_cast<int>(std::floor(std::clamp(std::min(a, b) - half - 1, 0.0, 1.0 * most))); };
   const auto last = [half](double a, double b, int most)
   { return static_cast<int>(std::ceil(std::clamp(std::max(a, b) + half + 1, 0.0, 1.0 * most))); };
-  for (int y = first(from.Y, to.Y, this->Size[1]); y < last(from.Y, to.Y, this->Size[1]); ++y)
+  for (int y = first(from.Y, to.Y, this->Height()); y < last(from.Y, to.Y, this->Height()); ++y)
   {
-    for (int x = first(from.X, to.X, this->Size[0]); x < last(from.X, to.X, this->Size[0]); ++x)
+    for (int x = first(from.X, to.X, this->Width()); x < last(from.X, to.X, this->Width()); ++x)
     {
       const double right = x + 0.5 - from.X;
       const double up = y + 0.5 - from.Y;
@@ -142,6 +132,14 @@ void Picture::Line(const PicturePoint& from, const PicturePoint& to, double widt
       const double distance = std::hypot(right - t * dx, up - t * dy);
       this->Blend(x, y, color, half + 0.5 - distance);
     }
+  }
+}
+
+void Picture::Lines(const PictureLine& points, double width, const PictureColor& color)
+{
+  for (std::size_t point = 1; point < points.size(); ++point)
+  {
+    this->Line(points[point - 1], points[point], width, color);
   }
 }
 
@@ -179,33 +177,48 @@ void Picture::Text(double x, double y, double anchor, const std::string& text,
   draw(0, 0, style.Color);
 }
 
-void Picture::LegendEntry(double left, double top, std::size_t row, std::size_t group,
-  const std::string& name)
+void Picture::Legend(double left, double top, const PictureLegend& entries,
+  const PictureText& style)
 {
-  const double y = top - 12 - 24.0 * static_cast<double>(row);
-  this->Box(left, y - 7, left + 14, y + 7, GroupColor(group));
-  this->Text(left + 22, y, 0, name);
-}
-
-void Picture::PasteShrunk(int x, int y, int factor, const Picture& picture)
-{
-  vtkNew<vtkImageShrink3D> shrink;
-  shrink->SetInputData(picture.Image);
-  shrink->SetShrinkFactors(factor, factor, 1);
-  shrink->MeanOn();
-  shrink->Update();
-  vtkImageData* small = shrink->GetOutput();
-  for (int j = 0; j < small->GetDimensions()[1]; ++j)
+  for (const auto& [name, color] : entries)
   {
-    for (int i = 0; i < small->GetDimensions()[0]; ++i)
-    {
-      const auto* rgb = static_cast<unsigned char*>(small->GetScalarPointer(i, j, 0));
-      this->Set(x + i, y + j, { rgb[0], rgb[1], rgb[2] });
-    }
+    const double y = top - 12;
+    this->Box(left, y - 7, left + 14, y + 7, color);
+    this->Text(left + 22, y, 0, name, style);
+    top -= 24;
   }
 }
 
-std::string Picture::Png()
+void Picture::Letters(const PictureFrame& part, double inset,
+  const std::array<std::string, 4>& letters, const PictureText& style)
+{
+  const double middleX = part.Left + 0.5 * part.Width;
+  const double middleY = part.Low + 0.5 * part.Height;
+  this->Text(part.Left + inset, middleY, 0.5, letters[0], style);
+  this->Text(part.Left + part.Width - inset, middleY, 0.5, letters[1], style);
+  this->Text(middleX, part.Low + part.Height - inset, 0.5, letters[2], style);
+  this->Text(middleX, part.Low + inset, 0.5, letters[3], style);
+}
+
+void Picture::ScaleBar(double x, double y, double lengthMm, double pixelMm,
+  const PictureText& style)
+{
+  const double length = std::round(lengthMm / pixelMm);
+  this->Box(x - length, y, x, y + 3, style.Color);
+  this->Text(x - 0.5 * length, y + 4 + style.Size, 0.5, NumberText(lengthMm) + " mm", style);
+}
+
+void Picture::Shrink(int factor)
+{
+  vtkNew<vtkImageShrink3D> shrink;
+  shrink->SetInputData(this->Image);
+  shrink->SetShrinkFactors(factor, factor, 1);
+  shrink->MeanOn();
+  shrink->Update();
+  this->Image->DeepCopy(shrink->GetOutput());
+}
+
+std::string Picture::Png() const
 {
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(this->Image);
@@ -216,8 +229,59 @@ std::string Picture::Png()
     static_cast<std::size_t>(bytes->GetNumberOfValues()) };
 }
 
-void Picture::Write(const std::string& path)
+void SvgLines::AddPath(const std::string& data, const PictureColor& color)
 {
-  WriteAtomicFile(path, this->Png());
+  const auto add = [&](const std::string& stroke, const char* width)
+  {
+    this->Text += "<path d=\"" + data + "\" stroke=\"" + stroke + "\" stroke-width=\"" + width +
+      "\" fill=\"none\" vector-effect=\"non-scaling-stroke\"/>\n";
+  };
+  if (color == MarkColor) // it lies on bright and on dark ground
+  {
+    add("#000", "3.4");
+  }
+  add(HexColor(color), "1.6");
+}
+
+void SvgLines::Path(const PictureLine& points, bool closed, const PictureColor& color)
+{
+  std::string data;
+  const PicturePoint* last = nullptr;
+  for (const PicturePoint& point : points)
+  {
+    if (last && &point != &points.back() &&
+      std::hypot(point.X - last->X, point.Y - last->Y) < LeastStepPixels)
+    {
+      continue;
+    }
+    data += (last ? "L" : "M") + Tenths(point.X) + " " + Tenths(this->Height - point.Y);
+    last = &point;
+  }
+  if (!data.empty())
+  {
+    this->AddPath(data + (closed ? "Z" : ""), color);
+  }
+}
+
+void SvgLines::Cross(const PicturePoint& at, const std::string& name, double scale)
+{
+  const double size = 16 * scale;
+  const double inner = 0.35 * size;
+  const double y = this->Height - at.Y;
+  std::string data;
+  for (const auto& [right, down] :
+    { std::array{ 1.0, 0.0 }, { -1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } })
+  {
+    data += "M" + Tenths(at.X + inner * right) + " " + Tenths(y + inner * down) + "L" +
+      Tenths(at.X + size * right) + " " + Tenths(y + size * down);
+  }
+  this->AddPath(data, MarkColor);
+  if (!name.empty())
+  {
+    this->Text += "<text x=\"" + Tenths(at.X + 0.5 * size) + "\" y=\"" + Tenths(y - 0.5 * size) +
+      "\" font-size=\"" + Tenths(1.1 * size) + "\" font-weight=\"600\" fill=\"" +
+      HexColor(MarkColor) + "\" stroke=\"#000\" stroke-width=\"" + Tenths(0.18 * size) +
+      "\" paint-order=\"stroke\">" + Escape(name) + "</text>\n";
+  }
 }
 }

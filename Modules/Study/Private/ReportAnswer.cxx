@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ReportAnswer.h"
-
-#include "Private/ReportText.h"
+#include "Private/ReportParts.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,40 +9,20 @@ namespace mammoray
 {
 namespace
 {
-/// The foremost point of the breast's outline, gantry x and y; nothing without an outline.
-std::optional<std::array<double, 2>> ForemostOf(const RegistrationReport& report)
+/// "31 mm behind the breast's foremost point and 12 mm to L of it; "; empty without an outline.
+std::string FromForemost(const ReceptorPoint& place, const AnsweredMammogram& mammogram)
 {
-  std::optional<std::array<double, 2>> foremost;
-  for (const auto& point : report.Result->Synthetic.Outline)
-  {
-    if (!foremost || point[1] > (*foremost)[1])
-    {
-      foremost = point;
-    }
-  }
-  return foremost;
-}
-
-/// "31 mm behind the breast's foremost point and 12 mm to L of it".
-std::string FromForemost(const PlaceInMammogram& place, const AnsweredMammogram& mammogram)
-{
-  const auto foremost = ForemostOf(*mammogram.Report);
-  if (!foremost)
+  const auto& outline = mammogram.Report->Registered->Registration.Synthetic.Outline;
+  const auto foremost = std::max_element(outline.begin(), outline.end(),
+    [](const ReceptorPoint& a, const ReceptorPoint& b) { return a[1] < b[1]; });
+  if (foremost == outline.end())
   {
     return "";
   }
-  const double behind = (*foremost)[1] - place.ReceptorMm[1];
-  const double up = mammogram.Pictures->Up * (place.ReceptorMm[0] - (*foremost)[0]);
-  const std::string& letters = mammogram.Pictures->Letters[up > 0 ? 2 : 3];
-  return NumberText(behind, 0) + " mm behind the breast’s foremost point, " +
-    NumberText(std::abs(up), 0) + " mm to " + letters + " of it";
-}
-
-std::string WithinText(const PlaceInMammogram& place)
-{
-  return place.HalfAxesMm ? "within " + NumberText((*place.HalfAxesMm)[0], 1) + " × " +
-      NumberText((*place.HalfAxesMm)[1], 1) + " mm"
-                          : "within what is not known";
+  const double up = mammogram.Pictures->Up * (place[0] - (*foremost)[0]);
+  return NumberText((*foremost)[1] - place[1], 0) + " mm behind the breast’s foremost point, " +
+    NumberText(std::abs(up), 0) + " mm to " + mammogram.Pictures->Letters[up > 0 ? 2 : 3] +
+    " of it; ";
 }
 
 std::string PlaceHtml(const PlaceInMammogram& place, const AnsweredMammogram& mammogram)
@@ -53,11 +32,16 @@ std::string PlaceHtml(const PlaceInMammogram& place, const AnsweredMammogram& ma
   {
     return html + "not found: " + Escape(place.Problem) + "</p>\n";
   }
-  const std::string from = FromForemost(place, mammogram);
-  html += from + (from.empty() ? "" : "; ") + "pixel column " + NumberText(place.Column, 0) +
-    ", row " + NumberText(place.Row, 0) + (place.InImage ? "" : ", which lies beside the picture") +
-    "; <b>" + WithinText(place) + "</b>";
-  const Assessment& trust = mammogram.Report->Result->Trust;
+  const ImagedPoint& imaged = place.Imaged;
+  const auto axis = [](double sigmaMm) { return NumberText(Deviations95 * sigmaMm, 1); };
+  html += FromForemost(imaged.ReceptorMm, mammogram) + "pixel column " +
+    NumberText(imaged.Column, 0) + ", row " + NumberText(imaged.Row, 0) +
+    (imaged.InImage ? "" : ", which lies beside the picture") + "; <b>" +
+    (imaged.Uncertainty ? "within " + axis(imaged.Uncertainty->MajorMm) + " × " +
+          axis(imaged.Uncertainty->MinorMm) + " mm"
+                        : "within what is not known") +
+    "</b>";
+  const Assessment& trust = mammogram.Report->Registered->Registration.Trust;
   if (trust.Level != Trust::Good)
   {
     html += ". <b class=\"warning\">" + Escape(VerdictOf(trust.Level)) + ".</b>";
@@ -70,7 +54,7 @@ Trust WorstOf(const std::vector<AnsweredMammogram>& mammograms)
   Trust worst = Trust::Good;
   for (const AnsweredMammogram& mammogram : mammograms)
   {
-    worst = std::max(worst, mammogram.Report->Result->Trust.Level);
+    worst = std::max(worst, mammogram.Report->Registered->Registration.Trust.Level);
   }
   return worst;
 }
@@ -84,7 +68,7 @@ std::string AskedHtml(const std::vector<AskedPlace>& asked, std::size_t index,
   for (const AnsweredMammogram& mammogram : mammograms)
   {
     const PlaceInMammogram& found = mammogram.Report->Places[index];
-    material = found.Material.empty() ? material : found.Material;
+    material = found.Imaged.Material.empty() ? material : found.Imaged.Material;
     html += PlaceHtml(found, mammogram);
   }
   const std::string what =
@@ -108,10 +92,10 @@ std::string AnswerHtml(const std::vector<AskedPlace>& asked,
   {
     html += AskedHtml(asked, index, mammograms);
   }
-  html +=
-    "<p class=\"hint\">The ellipse holds the place with 95 %, by what the pictures leave open "
-    "of pose and compression; what the model itself is off by is not in it.</p>\n"
-    "<div class=\"answer-pictures\">\n<div class=\"answer-mammograms\">\n";
+  html += "<p class=\"hint\">The ellipse holds the place with a probability of 95 %, by what the "
+          "pictures "
+          "leave open of pose and compression and by the model’s own error.</p>\n"
+          "<div class=\"answer-pictures\">\n<div class=\"answer-mammograms\">\n";
   for (const AnsweredMammogram& mammogram : mammograms)
   {
     html += FigureHtml(mammogram.Pictures->Answer, "Answer, " + mammogram.Title,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ReportPage.h"
-
-#include "Private/ReportText.h"
+#include "Private/ReportParts.h"
 #include "mammoray/IO/Sha256.h"
+
+#include "vtkBase64Utilities.h"
+
+#include <cstddef>
 
 namespace mammoray
 {
@@ -193,6 +195,16 @@ dialog.ondblclick = event => {
 dialog.querySelector("button").onclick = () => dialog.close();
 )js";
 
+/// Bytes as base64.
+std::string Base64(const std::string& bytes)
+{
+  std::vector<unsigned char> encoded(bytes.size() / 3 * 4 + 8);
+  const unsigned long length =
+    vtkBase64Utilities::Encode(reinterpret_cast<const unsigned char*>(bytes.data()),
+      static_cast<unsigned long>(bytes.size()), encoded.data());
+  return { encoded.begin(), encoded.begin() + static_cast<std::ptrdiff_t>(length) };
+}
+
 /// A source expression of a Content-Security-Policy that allows this very text.
 std::string AllowedHash(const std::string& text)
 {
@@ -237,4 +249,33 @@ std::string PageHtml(const std::string& title, const std::string& subtitle,
     Script + "</script>\n</body>\n</html>\n";
 }
 
+std::string Escape(const std::string& text)
+{
+  std::string escaped;
+  for (const char c : text)
+  {
+    escaped += c == '&' ? "&amp;"
+      : c == '<'        ? "&lt;"
+      : c == '>'        ? "&gt;"
+      : c == '"'        ? "&quot;"
+                        : std::string(1, c);
+  }
+  return escaped;
+}
+
+std::string FigureHtml(const LayeredPicture& picture, const std::string& alt,
+  const std::string& title, const std::string& caption)
+{
+  const std::string size =
+    std::to_string(picture.Width) + "\" height=\"" + std::to_string(picture.Height) + "\"";
+  std::string html = "<figure><div class=\"layers\"><img alt=\"" + Escape(alt) + "\" width=\"" +
+    size + " src=\"data:image/png;base64," + Base64(picture.Png) + "\">";
+  if (!picture.Lines.empty())
+  {
+    html += "<svg class=\"lines\" viewBox=\"0 0 " + std::to_string(picture.Width) + ' ' +
+      std::to_string(picture.Height) + "\">\n" + picture.Lines + "</svg>";
+  }
+  return html + "</div>\n<figcaption>" + (title.empty() ? "" : "<b>" + title + "</b>") + "<span>" +
+    caption + "</span></figcaption></figure>\n";
+}
 }

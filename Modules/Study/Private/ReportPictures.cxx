@@ -1,34 +1,179 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ReportPictures.h"
-
-#include "Private/Hanging.h"
 #include "Private/Picture.h"
-#include "Private/SvgLines.h"
+#include "Private/ReportParts.h"
+#include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammoray/Study/ContourLines.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace mammoray
 {
 namespace
 {
+constexpr int LongerSidePixels = 900;
+constexpr double HangingMarginMm = 8;
 constexpr PictureColor ExcludedColor{ 191, 191, 199 };
-constexpr PictureColor Black{ 0, 0, 0 };
 constexpr PictureColor Paper{ 247, 247, 250 };
-constexpr PictureColor Light{ 217, 222, 230 };
 constexpr PictureColor Ink{ 38, 38, 51 };
 constexpr double DifferenceRange = 2; // standard deviations
 constexpr double OutlineWidth = 2.2;
 constexpr int Margin = 12;
 
+/**
+ * How the receptor plane lies on a picture when mammograms are hung: the chest wall at the left for
+ * the left breast, the lateral side (CC) or the head (oblique) up. Picture positions are pixels to
+ * the right and up from the lower left corner.
+ */
+struct Hanging
+{
+  double PixelMm = 1;
+  int Width = 0;
+  int Height = 0;
+  /// Whether gantry y grows to the right (+1) or to the left (-1), and x upwards or downwards.
+  double Right = 1;
+  double Up = 1;
+  /// Gantry x and y of the picture's middle, mm.
+  ReceptorPoint Centre{ 0, 0 };
+  /// Patient directions at the left, right, upper and lower side.
+  std::array<std::string, 4> Letters;
+
+  PicturePoint ToPicture(const ReceptorPoint& gantry) const
+  {
+    return { 0.5 * this->Width + this->Right * (gantry[1] - this->Centre[1]) / this->PixelMm,
+      0.5 * this->Height + this->Up * (gantry[0] - this->Centre[0]) / this->PixelMm };
+  }
+  ReceptorPoint ToGantry(double right, double up) const
+  {
+    return { this->Centre[0] + this->Up * (up - 0.5 * this->Height) * this->PixelMm,
+      this->Centre[1] + this->Right * (right - 0.5 * this->Width) * this->PixelMm };
+  }
+};
+
+/// Sets which way the picture is turned, and its letters.
+void Orient(const Mammogram& mammogram, const ReceptorGrid& grid, Hanging& hanging)
+{
+  // Chest wall to nipple leads forward. An unknown side is taken from the target, whose preparation
+  // warned: the chest wall is at the picture's right if y falls with the column.
+  Mammogram known = mammogram;
+  if (known.Laterality != 'L' && known.Laterality != 'R')
+  {
+    known.Laterality = grid.ColumnStep[1] < 0 || grid.RowStep[1] < 0 ? 'R' : 'L';
+  }
+  // Gantry x along patient left and head (MammographyGeometry.h).
+  const double roll = NominalRollDeg(known).value_or(0) * std::numbers::pi / 180;
+  const double left = std::cos(roll);
+  const double head = -std::sin(roll);
+  const bool oblique = std::abs(head) > 0.1;
+  const double up = oblique ? head : known.Laterality == 'L' ? left : -left;
+  hanging.Right = known.Laterality == 'R' ? -1 : 1;
+  hanging.Up = up > 0 ? 1 : -1;
+  const auto letters = [left, head](double along)
+  {
+    std::string text;
+    text += std::abs(head) > 0.1 ? (along * head > 0 ? "H" : "F") : "";
+    text += std::abs(left) > 0.1 ? (along * left > 0 ? "L" : "R") : "";
+    return text;
+  };
+  hanging.Letters = { hanging.Right > 0 ? "P" : "A", hanging.Right > 0 ? "A" : "P",
+    letters(hanging.Up), letters(-hanging.Up) };
+}
+
+/// Shows the pixels of `shown` with a margin within the mammogram, or all if there are none; the
+/// longer side has 900 pixels.
+Hanging Hang(const Mammogram& mammogram, const ReceptorGrid& grid,
+  const std::vector<unsigned char>& shown)
+{
+  std::array<Extent, 2> all;
+  std::array<Extent, 2> near;
+  for (int row = 0; row < grid.Rows; ++row)
+  {
+    for (int column = 0; column < grid.Columns; ++column)
+    {
+      const ReceptorPoint place = grid.PositionOf(column, row);
+      for (std::size_t axis = 0; axis < 2; ++axis)
+      {
+        const double half = 0.5 * (std::abs(grid.ColumnStep[axis]) + std::abs(grid.RowStep[axis]));
+        all[axis].Add(place[axis] - half);
+        all[axis].Add(place[axis] + half);
+        if (shown[grid.Index(column, row)] != 0)
+        {
+          near[axis].Add(place[axis] - half - HangingMarginMm);
+          near[axis].Add(place[axis] + half + HangingMarginMm);
+        }
+      }
+    }
+  }
+  Hanging hanging;
+  Orient(mammogram, grid, hanging);
+  std::array<double, 2> lengths{};
+  for (std::size_t axis = 0; axis < 2; ++axis)
+  {
+    Extent part = near[axis].Length() > 0 ? near[axis] : all[axis];
+    part.Low = std::max(part.Low, all[axis].Low);
+    part.High = std::min(part.High, all[axis].High);
+    lengths[axis] = part.Length();
+    hanging.Centre[axis] = part.Middle();
+  }
+  hanging.PixelMm = std::max(lengths[0], lengths[1]) / LongerSidePixels;
+  hanging.Width = std::max(1, static_cast<int>(std::lround(lengths[1] / hanging.PixelMm)));
+  hanging.Height = std::max(1, static_cast<int>(std::lround(lengths[0] / hanging.PixelMm)));
+  return hanging;
+}
+
+/// An image at a point of the receptor, bilinear; the values of its border go on outside.
+double ValueAt(const ReceptorGrid& grid, const std::vector<float>& image,
+  const ReceptorPoint& point)
+{
+  const auto index = grid.IndexOf(point);
+  const double column = std::clamp(index[0], 0.0, grid.Columns - 1.0);
+  const double row = std::clamp(index[1], 0.0, grid.Rows - 1.0);
+  const int column0 = std::min(static_cast<int>(column), std::max(0, grid.Columns - 2));
+  const int row0 = std::min(static_cast<int>(row), std::max(0, grid.Rows - 2));
+  const double u = column - column0;
+  const double v = row - row0;
+  const auto at = [&](int i, int j)
+  { return image[grid.Index(std::min(i, grid.Columns - 1), std::min(j, grid.Rows - 1))]; };
+  return (1 - v) * ((1 - u) * at(column0, row0) + u * at(column0 + 1, row0)) +
+    v * ((1 - u) * at(column0, row0 + 1) + u * at(column0 + 1, row0 + 1));
+}
+
+/// An image at the picture's pixels, row by row from below: bilinear, averaged over the picture's
+/// pixel if that is larger.
+std::vector<float> Resample(const ReceptorGrid& grid, const std::vector<float>& image,
+  const Hanging& hanging)
+{
+  const double step = std::min(grid.ColumnSpacingMm(), grid.RowSpacingMm());
+  const int samples = std::clamp(static_cast<int>(std::ceil(hanging.PixelMm / step)), 1, 6);
+  const auto width = static_cast<std::size_t>(hanging.Width);
+  std::vector<float> result(width * static_cast<std::size_t>(hanging.Height));
+  ParallelFor(static_cast<std::size_t>(hanging.Height),
+    [&](std::size_t y)
+    {
+      for (std::size_t x = 0; x < width; ++x)
+      {
+        double sum = 0;
+        for (int s = 0; s < samples * samples; ++s)
+        {
+          sum += ValueAt(grid, image,
+            hanging.ToGantry(static_cast<double>(x) + (s % samples + 0.5) / samples,
+              static_cast<double>(y) + (s / samples + 0.5) / samples));
+        }
+        result[y * width + x] = static_cast<float>(sum / (samples * samples));
+      }
+    });
+  return result;
+}
+
 /// Both mammograms on the target's grid, comparable with each other.
 struct ComparedImages
 {
-  /// z-scored over the pixels of both breasts that are compared; in the synthetic image finite.
+  /// z-scored over the pixels of both breasts that are compared; the synthetic image is finite.
   std::vector<float> Real;
   std::vector<float> Synthetic;
-  /// 1 where the synthetic breast is, and where the real one is not compared.
+  /// 1 in the synthetic breast, and where the real one is not compared.
   std::vector<float> InSynthetic;
   std::vector<float> Excluded;
   /// 1 in both breasts and compared, and in any of them.
@@ -65,18 +210,17 @@ double Standardise(std::vector<float>& image, const std::vector<unsigned char>& 
   return -mean / deviation;
 }
 
-ComparedImages ImagesOf(const RegistrationReport& report)
+ComparedImages ImagesOf(const RegistrationTarget& target, const std::vector<float>& synthetic)
 {
-  const RegistrationTarget& target = *report.Target;
   ComparedImages images;
   images.Real = target.LogAttenuation;
-  images.Synthetic = report.Result->Synthetic.LogAttenuation;
+  images.Synthetic = synthetic;
   for (std::size_t i = 0; i < images.Real.size(); ++i)
   {
-    float& synthetic = images.Synthetic[i];
-    synthetic = std::isfinite(synthetic) ? synthetic : 0;
+    float& value = images.Synthetic[i];
+    value = std::isfinite(value) ? value : 0;
     const bool inReal = target.BreastMask[i] != 0;
-    const bool inSynthetic = synthetic > 1e-6F; // float noise of rays that meet nothing
+    const bool inSynthetic = value > 1e-6F; // float noise of rays that meet nothing
     const bool excluded = inReal && IsExcluded(target, i);
     images.InSynthetic.push_back(inSynthetic ? 1 : 0);
     images.Excluded.push_back(excluded ? 1 : 0);
@@ -88,20 +232,9 @@ ComparedImages ImagesOf(const RegistrationReport& report)
   return images;
 }
 
-/// The values that are black and white, in both pictures the same.
-struct GreyWindow
-{
-  double Low = -3;
-  double High = 2;
-
-  double operator()(float value) const
-  {
-    return std::clamp((value - this->Low) / (this->High - this->Low), 0.0, 1.0);
-  }
-};
-
-/// It reaches from below the thinner parts to the densest, and air is black in both.
-GreyWindow WindowOf(const ComparedImages& images)
+/// The values that are black and white, the same in both pictures: from below the thinner parts to
+/// the densest, so that air is black in both.
+Extent WindowOf(const ComparedImages& images)
 {
   std::vector<float> inside;
   for (std::size_t i = 0; i < images.Real.size(); ++i)
@@ -111,17 +244,15 @@ GreyWindow WindowOf(const ComparedImages& images)
       inside.push_back(images.Real[i]);
     }
   }
-  GreyWindow window;
-  if (inside.size() > 100)
+  if (inside.size() <= 100)
   {
-    std::sort(inside.begin(), inside.end());
-    const double tenth = inside[inside.size() / 10];
-    window.High = inside[inside.size() - 1 - inside.size() / 500];
-    window.Low = tenth - (window.High - tenth);
-    window.Low =
-      std::min(std::max({ window.Low, images.RealAir, images.SyntheticAir }), window.High - 0.5);
+    return { -3, 2 };
   }
-  return window;
+  std::sort(inside.begin(), inside.end());
+  const double tenth = inside[inside.size() / 10];
+  const double high = inside[inside.size() - 1 - inside.size() / 500];
+  const double low = std::max({ tenth - (high - tenth), images.RealAir, images.SyntheticAir });
+  return { std::min(low, high - 0.5), high };
 }
 
 /// What each picture's pixels show, row by row from below.
@@ -158,82 +289,59 @@ PictureColor DifferenceColor(const HungImages& images, std::size_t pixel)
   return inReal ? RealColor : inSynthetic ? SyntheticColor : Paper;
 }
 
-/// Patient directions at the middles of the sides, and a scale bar.
+/// Draws patient directions at the middles of the sides, and a scale bar.
 void Annotate(Picture& picture, const Hanging& hanging, const PictureColor& color,
   const PictureColor& halo)
 {
-  const double middleX = 0.5 * picture.Width();
-  const double middleY = 0.5 * picture.Height();
-  const PictureText letters{ color, 20, &halo };
-  constexpr double HalfLetter = 12;
-  picture.Text(Margin, middleY, 0, hanging.Letters[0], letters);
-  picture.Text(picture.Width() - Margin, middleY, 1, hanging.Letters[1], letters);
-  picture.Text(middleX, picture.Height() - Margin - HalfLetter, 0.5, hanging.Letters[2], letters);
-  picture.Text(middleX, Margin + HalfLetter, 0.5, hanging.Letters[3], letters);
-
+  picture.Letters({ 0, 0, 1.0 * picture.Width(), 1.0 * picture.Height() }, 2 * Margin,
+    hanging.Letters, { color, 20, &halo });
   // On the nipple's side, where the picture is empty.
   const double lengthMm = picture.Width() * hanging.PixelMm > 60 ? 20 : 10;
-  const double length = std::lround(lengthMm / hanging.PixelMm);
-  const double right = hanging.Right > 0 ? picture.Width() - Margin : Margin + length;
-  picture.Box(right - length, Margin, right, Margin + 4, color);
-  picture.Box(right - length, Margin, right - length + 3, Margin + 10, color);
-  picture.Box(right - 3, Margin, right, Margin + 10, color);
-  picture.Text(right - 0.5 * length, Margin + 22, 0.5, lengthMm == 20 ? "20 mm" : "10 mm",
-    { color, 14, &halo });
+  const double right =
+    hanging.Right > 0 ? picture.Width() - Margin : Margin + lengthMm / hanging.PixelMm;
+  picture.ScaleBar(right, Margin, lengthMm, hanging.PixelMm, { color, 14, &halo });
 }
 
 void DrawDifferenceScale(Picture& picture, const Hanging& hanging)
 {
   constexpr int BarWidth = 18;
+  constexpr double HalfText = 8;
+  const bool barAtRight = hanging.Right > 0;
   const int height = picture.Height() / 4;
-  const int left = hanging.Right > 0 ? picture.Width() - Margin - BarWidth : Margin;
+  const int left = barAtRight ? picture.Width() - Margin - BarWidth : Margin;
   const int low = picture.Height() - Margin - height;
   picture.Box(left - 1, low - 1, left + BarWidth + 1, low + height + 1, Ink);
   for (int y = 0; y < height; ++y)
   {
     picture.Box(left, low + y, left + BarWidth, low + y + 1, Diverging(2.0 * y / (height - 1) - 1));
   }
-  for (const int tick : { -1, 0, 1 })
+  const char* const ticks[] = { "-2", "0", "+2" };
+  for (int tick = 0; tick < 3; ++tick)
   {
-    const bool barAtRight = hanging.Right > 0;
-    constexpr double HalfText = 8;
     picture.Text(barAtRight ? left - 8 : left + BarWidth + 8,
-      low + HalfText + 0.5 * (tick + 1) * (height - 2 * HalfText), barAtRight ? 1 : 0,
-      tick < 0      ? "-2"
-        : tick == 0 ? "0"
-                    : "+2",
+      low + HalfText + 0.5 * tick * (height - 2 * HalfText), barAtRight ? 1 : 0, ticks[tick],
       { Ink, 14 });
   }
 }
 
-/// Lines of a picture, pixels from its lower left corner.
-using PictureLines = std::vector<std::vector<PicturePoint>>;
-
-PictureLines LinesOf(const std::vector<std::vector<std::array<double, 2>>>& receptor,
-  const Hanging& hanging)
+/// A line of the receptor in the picture.
+PictureLine LineOf(const std::vector<ReceptorPoint>& receptor, const Hanging& hanging)
 {
-  PictureLines lines;
-  for (const auto& line : receptor)
+  PictureLine line;
+  for (const ReceptorPoint& point : receptor)
   {
-    std::vector<PicturePoint>& points = lines.emplace_back();
-    points.reserve(line.size());
-    for (const auto& [x, y] : line)
-    {
-      const auto at = hanging.ToPicture(x, y);
-      points.push_back({ at[0], at[1] });
-    }
+    line.push_back(hanging.ToPicture(point));
   }
-  return lines;
+  return line;
 }
 
-/// Where `distance` changes its sign.
-PictureLines OutlineOf(const std::vector<float>& distance, const Hanging& hanging)
+/// Lines along which `distance` changes its sign.
+std::vector<PictureLine> OutlineOf(const std::vector<float>& distance, const Hanging& hanging)
 {
-  PictureLines lines;
+  std::vector<PictureLine> lines;
   for (const auto& line : ContourLines(distance.data(), hanging.Width, hanging.Height, 0))
   {
-    std::vector<PicturePoint>& points = lines.emplace_back();
-    points.reserve(line.size());
+    PictureLine& points = lines.emplace_back();
     for (const auto& [x, y] : line)
     {
       points.push_back({ x + 0.5, y + 0.5 });
@@ -242,33 +350,9 @@ PictureLines OutlineOf(const std::vector<float>& distance, const Hanging& hangin
   return lines;
 }
 
-void DrawLines(Picture& picture, const PictureLines& lines, const PictureColor& color)
-{
-  for (const auto& line : lines)
-  {
-    for (std::size_t point = 1; point < line.size(); ++point)
-    {
-      picture.Line(line[point - 1], line[point], OutlineWidth, color);
-    }
-  }
-}
-
-std::string SvgOf(const Hanging& hanging,
-  const std::vector<std::pair<const PictureLines*, PictureColor>>& parts)
-{
-  SvgLines svg(hanging.Height);
-  for (const auto& [lines, color] : parts)
-  {
-    for (const auto& line : *lines)
-    {
-      svg.Path(line, false, color);
-    }
-  }
-  return svg.Elements();
-}
-
-/// Crosses, ellipses and shadows of what was asked for, and the breast's outline.
-std::string AnswerLines(const RegistrationReport& report, const Hanging& hanging)
+/// Crosses, ellipses and shadows of what was asked for.
+std::string AnswerLines(const RegistrationReport& report, const ReceptorGrid& grid,
+  const Hanging& hanging)
 {
   SvgLines svg(hanging.Height);
   for (std::size_t index = 0; index < report.Places.size(); ++index)
@@ -278,44 +362,68 @@ std::string AnswerLines(const RegistrationReport& report, const Hanging& hanging
     {
       continue;
     }
-    for (const auto& outline : LinesOf(place.Outlines, hanging))
+    for (const auto& outline : place.Outlines)
     {
-      svg.Path(outline, true, MarkColor);
+      std::vector<ReceptorPoint> receptor;
+      for (const auto& [column, row] : outline)
+      {
+        receptor.push_back(grid.PositionOf(column, row));
+      }
+      svg.Path(LineOf(receptor, hanging), true, MarkColor);
     }
-    for (const auto& ellipse : LinesOf({ place.Ellipse }, hanging))
+    const ImagedPoint& imaged = place.Imaged;
+    if (imaged.Uncertainty)
     {
-      svg.Path(ellipse, true, MarkColor);
+      const auto ellipse =
+        EllipsePoints(*imaged.Uncertainty, imaged.ReceptorMm, grid, Deviations95);
+      svg.Path(LineOf(ellipse, hanging), true, MarkColor);
     }
-    const auto at = hanging.ToPicture(place.ReceptorMm[0], place.ReceptorMm[1]);
-    svg.Cross({ at[0], at[1] }, report.Asked[index].ShortName, 26, MarkColor);
+    svg.Cross(hanging.ToPicture(imaged.ReceptorMm), report.Asked[index].ShortName, 1.6);
   }
   return svg.Elements();
+}
+
+/// Completes a picture: outlines are lines over the page's picture and part of the file's.
+void Outline(Picture& picture, const std::vector<std::pair<PictureLine, PictureColor>>& outlines,
+  LayeredPicture& layered, std::string& file)
+{
+  SvgLines svg(picture.Height());
+  layered = { picture.Png(), picture.Width(), picture.Height(), {} };
+  for (const auto& [line, color] : outlines)
+  {
+    svg.Path(line, false, color);
+    picture.Lines(line, OutlineWidth, color);
+  }
+  layered.Lines = svg.Elements();
+  file = picture.Png();
 }
 }
 
 ReportPictures DrawPictures(const RegistrationReport& report)
 {
-  const RegistrationTarget& target = *report.Target;
-  const ComparedImages images = ImagesOf(report);
-  const GreyWindow window = WindowOf(images);
-  const Hanging hanging = Hang(*report.RealMammogram, target.Grid, images.Either);
+  const RegistrationTarget& target = report.Registered->View.Target;
+  const SyntheticMammogram& found = report.Registered->Registration.Synthetic;
+  const ComparedImages images = ImagesOf(target, found.LogAttenuation);
+  const Extent window = WindowOf(images);
+  const Hanging hanging = Hang(report.Registered->Mammogram, target.Grid, images.Either);
   const HungImages hung{ Resample(target.Grid, images.Real, hanging),
     Resample(target.Grid, images.Synthetic, hanging),
     Resample(target.Grid, target.SignedDistanceMm, hanging),
     Resample(target.Grid, images.InSynthetic, hanging),
     Resample(target.Grid, images.Excluded, hanging) };
 
-  Picture real(hanging.Width, hanging.Height, Black);
-  Picture synthetic(hanging.Width, hanging.Height, Black);
-  Picture overlay(hanging.Width, hanging.Height, Black);
-  Picture difference(hanging.Width, hanging.Height, Paper);
+  Picture real(hanging.Width, hanging.Height);
+  Picture synthetic(hanging.Width, hanging.Height);
+  Picture overlay(hanging.Width, hanging.Height);
+  Picture difference(hanging.Width, hanging.Height);
   for (int y = 0; y < hanging.Height; ++y)
   {
     for (int x = 0; x < hanging.Width; ++x)
     {
       const std::size_t pixel = static_cast<std::size_t>(y) * hanging.Width + x;
-      const PictureColor a = Grey(window(hung.Real[pixel]));
-      const PictureColor b = Grey(window(hung.Synthetic[pixel]));
+      const auto grey = [&](float value) { return Grey((value - window.Low) / window.Length()); };
+      const PictureColor a = grey(hung.Real[pixel]);
+      const PictureColor b = grey(hung.Synthetic[pixel]);
       constexpr PictureColor ExcludedTint{ 170, 0, 213 };
       real.Set(x, y, hung.Excluded[pixel] < 0.5F ? a : Mixed(a, ExcludedTint, 0.3));
       synthetic.Set(x, y, b);
@@ -327,36 +435,27 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   DrawDifferenceScale(difference, hanging);
   for (Picture* picture : { &real, &synthetic, &overlay })
   {
-    Annotate(*picture, hanging, Light, Black);
+    Annotate(*picture, hanging, LightInk, Black);
   }
   Annotate(difference, hanging, Ink, Paper);
 
-  const PictureLines realOutline = OutlineOf(hung.Distance, hanging);
-  const PictureLines syntheticOutline = LinesOf({ report.Result->Synthetic.Outline }, hanging);
-  const std::pair<const PictureLines*, PictureColor> ofReal{ &realOutline, RealColor };
-  const std::pair<const PictureLines*, PictureColor> ofSynthetic{ &syntheticOutline,
-    SyntheticColor };
-  const auto layered = [&](Picture& picture, const std::string& lines) {
-    return LayeredPicture{ picture.Png(), hanging.Width, hanging.Height, lines };
-  };
+  std::vector<std::pair<PictureLine, PictureColor>> ofReal;
+  for (const PictureLine& line : OutlineOf(hung.Distance, hanging))
+  {
+    ofReal.emplace_back(line, RealColor);
+  }
+  auto ofBoth = ofReal;
+  ofBoth.emplace_back(LineOf(found.Outline, hanging), SyntheticColor);
   ReportPictures pictures;
-  pictures.Real = layered(real, SvgOf(hanging, { ofReal }));
-  pictures.Synthetic = layered(synthetic, SvgOf(hanging, { ofSynthetic }));
-  pictures.Overlay = layered(overlay, SvgOf(hanging, { ofReal, ofSynthetic }));
-  pictures.Difference = layered(difference, SvgOf(hanging, { ofReal, ofSynthetic }));
+  Outline(real, ofReal, pictures.Real, pictures.Files[0]);
+  Outline(synthetic, { ofBoth.back() }, pictures.Synthetic, pictures.Files[1]);
+  Outline(overlay, ofBoth, pictures.Overlay, pictures.Files[2]);
+  Outline(difference, ofBoth, pictures.Difference, pictures.Files[3]);
   if (!report.Places.empty())
   {
-    pictures.Answer = layered(real, AnswerLines(report, hanging));
+    pictures.Answer = pictures.Real;
+    pictures.Answer.Lines = AnswerLines(report, target.Grid, hanging);
   }
-  for (Picture* picture : { &real, &overlay, &difference })
-  {
-    DrawLines(*picture, realOutline, RealColor);
-  }
-  for (Picture* picture : { &synthetic, &overlay, &difference })
-  {
-    DrawLines(*picture, syntheticOutline, SyntheticColor);
-  }
-  pictures.Files = { real.Png(), synthetic.Png(), overlay.Png(), difference.Png() };
   pictures.Wide = hanging.Width > 0.95 * hanging.Height;
   pictures.Letters = hanging.Letters;
   pictures.Up = hanging.Up;

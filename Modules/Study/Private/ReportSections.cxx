@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ReportSections.h"
-
-#include "Private/ReportText.h"
+#include "Private/ReportParts.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/PoseParameters.h"
 
 #include <algorithm>
@@ -16,6 +15,25 @@ namespace mammoray
 {
 namespace
 {
+/// A unit as people write it.
+std::string UnitText(const std::string& unit)
+{
+  return unit == "deg" ? "°" : unit;
+}
+
+/// What a parameter of the search is called in a sentence.
+std::string ParameterTitle(const std::string& name)
+{
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    if (name == parameter.Name)
+    {
+      return parameter.Title;
+    }
+  }
+  return name;
+}
+
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
 /// Tells from which iteration on which pixels were compared how: costs of different ones cannot be.
@@ -91,7 +109,7 @@ std::optional<double> HeaderValue(const Mammogram& mammogram, const std::string&
 
 std::string FiguresHtml(const RegistrationReport& report)
 {
-  const ViewResult& result = *report.Result;
+  const ViewResult& result = report.Registered->Registration;
   const auto figure = [](const std::string& value, const std::string& unit, const std::string& name)
   {
     return "<div class=\"figure\"><b>" + value + " <small>" + unit + "</small></b><span>" + name +
@@ -100,7 +118,7 @@ std::string FiguresHtml(const RegistrationReport& report)
   const auto header = [&](int parameter, int digits)
   {
     const PoseParameter& known = PoseParameters[parameter];
-    const auto value = HeaderValue(*report.RealMammogram, known.Name);
+    const auto value = HeaderValue(report.Registered->Mammogram, known.Name);
     return value ? "; the header says " + NumberText(*value, digits) +
         (std::string(known.Unit) == "deg" ? "" : " ") + UnitText(known.Unit)
                  : std::string("; the header does not say it");
@@ -176,7 +194,7 @@ double ConsideredDeviation(const ViewResult& result, std::size_t parameter)
 
 std::string ParametersHtml(const RegistrationReport& report)
 {
-  const ViewResult& result = *report.Result;
+  const ViewResult& result = report.Registered->Registration;
   std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
                      "<th class=\"number\">Found</th><th class=\"number\">± (1 SD)</th>"
                      "<th class=\"number\">By the header</th>"
@@ -188,7 +206,7 @@ std::string ParametersHtml(const RegistrationReport& report)
     const RegistrationParameter& parameter = result.Parameters[i];
     const auto cell = [](const std::string& text, const char* kind = "number")
     { return std::string("<td class=\"") + kind + "\">" + text + "</td>"; };
-    const auto header = HeaderValue(*report.RealMammogram, parameter.Name);
+    const auto header = HeaderValue(report.Registered->Mammogram, parameter.Name);
     html += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td>" +
       cell("<b>" + NumberText(result.Values[i], 2) + "</b>") +
       cell(NumberText(result.StandardDeviations[i], 2)) +
@@ -222,10 +240,6 @@ Lines MammogramLines(const Mammogram& mammogram, double shareExcluded)
   const auto text = [](const std::string& value)
   { return value.empty() ? std::string("not stated") : value; };
   return { { "View", text(mammogram.View) },
-    { "Breast",
-      mammogram.Laterality == 'L'     ? "left"
-        : mammogram.Laterality == 'R' ? "right"
-                                      : "not stated" },
     { "Kind",
       mammogram.PresentationIntent == Mammogram::Intent::ForProcessing ? "For Processing"
                                                                        : "For Presentation" },
@@ -233,7 +247,6 @@ Lines MammogramLines(const Mammogram& mammogram, double shareExcluded)
     { "Pixel spacing at the receptor",
       NumberText(mammogram.ColumnSpacingMm, 3) + " × " + NumberText(mammogram.RowSpacingMm, 3) +
         " mm" },
-    { "Thickness by the header", optional(mammogram.BodyPartThicknessMm, 1, "mm") },
     { "Source to detector", optional(mammogram.SourceToDetectorMm, 0, "mm") },
     { "Tube voltage", optional(mammogram.PeakKilovoltage, 1, "kVp") },
     { "Anode / filter", text(mammogram.AnodeMaterial) + " / " + text(mammogram.FilterMaterial) },
@@ -244,8 +257,7 @@ Lines MammogramLines(const Mammogram& mammogram, double shareExcluded)
 Lines SearchLines(const ViewResult& result)
 {
   const CompressionState& state = result.State;
-  return { { "Stopped because", result.StopReason },
-    { "Converged", result.Converged ? "yes" : "no" },
+  return { { result.Converged ? "Converged because" : "Stopped because", result.StopReason },
     { "Iterations", std::to_string(result.Iterations.size()) },
     { "Compressions computed", std::to_string(result.Evaluations) },
     { "Time", NumberText(result.Seconds, 1) + " s" },
@@ -265,12 +277,14 @@ std::string CourseHtml(const ViewResult& result, const std::string& plot)
 std::string SourcesHtml(const RegistrationReport& report)
 {
   std::string html = "<section class=\"sources\">\n<h2>Where it comes from</h2>\n<table>\n";
-  for (const ResultInput& input : report.Inputs)
+  for (const ResultInput& input : report.File->Inputs)
   {
     html += "<tr><td>" + Escape(input.Role) + "</td><td>" + Escape(input.File) +
       "<br><code>SHA-256 " + input.Sha256 + "</code></td></tr>\n";
   }
-  for (const auto& [name, version] : report.Versions)
+  Lines versions = report.File->Versions;
+  versions.emplace_back("Spectrum", report.File->Spectrum);
+  for (const auto& [name, version] : versions)
   {
     html += "<tr><td>" + Escape(name) + "</td><td>" + Escape(version) + "</td></tr>\n";
   }
@@ -278,32 +292,21 @@ std::string SourcesHtml(const RegistrationReport& report)
 }
 }
 
-std::string BreastText(const Mammogram& mammogram)
-{
-  return mammogram.Laterality == 'L' ? "Left breast"
-    : mammogram.Laterality == 'R'    ? "Right breast"
-                                     : "Breast of unstated side";
-}
-
-std::string MammogramHeading(const std::string& title)
-{
-  return "<h1 class=\"view\">" + Escape(title) + "</h1>\n";
-}
-
 std::string MammogramHtml(const RegistrationReport& report, const ReportPictures& pictures,
   const std::string& plot)
 {
-  const ViewResult& result = *report.Result;
+  const ViewResult& result = report.Registered->Registration;
   std::string html = VerdictHtml(result) + FiguresHtml(report) + PicturesHtml(pictures) +
     Comparison + "<div class=\"found\">\n" + BetweenPlatesHtml(report.BetweenPlates) +
     ParametersHtml(report) + "</div>\n" + CourseHtml(result, plot);
   html += "<div class=\"columns screen\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
-    Rows(MammogramLines(*report.RealMammogram, report.ShareExcluded)) + "</section>\n</div>\n";
-  if (!report.Warnings.empty())
+    Rows(MammogramLines(report.Registered->Mammogram, report.File->ShareExcluded)) +
+    "</section>\n</div>\n";
+  if (!report.Registered->Warnings.empty())
   {
     html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" +
-      Sentences(report.Warnings) + "</section>\n";
+      Sentences(report.Registered->Warnings) + "</section>\n";
   }
   return html + SectionsHtml(report.Sections) + SourcesHtml(report);
 }
@@ -315,11 +318,9 @@ std::string SectionsHtml(const std::vector<ReportSection>& sections)
   {
     html += "<section class=\"further\">\n<h2>" + Escape(section.Title) + "</h2>\n";
     html += section.Rows.empty() ? std::string() : Rows(section.Rows);
-    if (!section.Picture.empty())
+    if (!section.Picture.Png.empty())
     {
-      html += "<figure class=\"further\"><div class=\"layers\"><img alt=\"" +
-        Escape(section.Title) + "\" src=\"data:image/png;base64," + Base64(section.Picture) +
-        "\"></div>\n<figcaption>" + Escape(section.Caption) + "</figcaption></figure>\n";
+      html += FigureHtml(section.Picture, section.Title, "", Escape(section.Caption));
     }
     html += section.Notes.empty() ? std::string() : Sentences(section.Notes);
     html += "</section>\n";
@@ -327,20 +328,22 @@ std::string SectionsHtml(const std::vector<ReportSection>& sections)
   return html;
 }
 
-std::string SharedHtml(const std::vector<SharedParameter>& shared)
+std::string SharedHtml(const JointResultFile& joint)
 {
   std::string rows;
-  for (const SharedParameter& parameter : shared)
+  for (const JointResultFile::Unknown& unknown : joint.Unknowns)
   {
-    rows += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td><td class=\"value\"><b>" +
-      NumberText(parameter.Value, 2) + "</b> ± " + NumberText(parameter.StandardDeviation, 2) +
-      "</td></tr>\n";
+    if (!unknown.Folder)
+    {
+      rows += "<tr><td>" + Escape(ParameterTitle(unknown.Name)) + "</td><td class=\"value\"><b>" +
+        NumberText(unknown.Value, 2) + "</b> ± " + NumberText(unknown.StandardDeviation, 2) +
+        "</td></tr>\n";
+    }
   }
-  const std::string table = "<table>\n" + rows + "</table>\n";
   return "<section>\n<h2>What the mammograms share</h2>\n" +
     (rows.empty()
         ? std::string("No parameter that was free: each mammogram was registered by itself.\n")
-        : table) +
+        : "<table>\n" + rows + "</table>\n") +
     "</section>\n";
 }
 }
