@@ -118,11 +118,11 @@ TEST_P(TransferSyntax, DecodesToTheKnownPixels)
   EXPECT_FALSE(mammogram.InvertedForDisplay);
 }
 
-INSTANTIATE_TEST_SUITE_P(MammogramIO, TransferSyntax,
+INSTANTIATE_TEST_SUITE_P(DicomMammogram, TransferSyntax,
   ::testing::Values("explicitLE", "implicitLE", "explicitBE", "deflated", "jpeg_lossless_sv1",
     "jpeg_lossless_p14_dcmtk", "jpegls_lossless", "j2k_lossless", "rle"));
 
-TEST(MammogramIO, ReadsAForProcessingImageAsStored)
+TEST(DicomMammogram, ReadsAForProcessingImageAsStored)
 {
   const std::string folder = Shared + "/digibreast/";
   SKIP_WITHOUT(folder);
@@ -144,7 +144,7 @@ TEST(MammogramIO, ReadsAForProcessingImageAsStored)
   EXPECT_FALSE(mammogram.SourceToDetectorMm);
 }
 
-TEST(MammogramIO, ReadsTheHeaderOfThePhantomsMammogram)
+TEST(DicomMammogram, ReadsTheHeaderOfThePhantomsMammogram)
 {
   SKIP_WITHOUT(VictreMammogram);
   const Mammogram mammogram = ReadMammogram(VictreMammogram);
@@ -172,7 +172,7 @@ TEST(MammogramIO, ReadsTheHeaderOfThePhantomsMammogram)
   EXPECT_EQ(mammogram.BitsStored, 14);
 }
 
-TEST(MammogramIO, RefusesWhatIsNoMammogram)
+TEST(DicomMammogram, RefusesWhatIsNoMammogram)
 {
   ExpectRefusal("/nonexistent/mammogram.dcm", "no file that can be read");
   ExpectRefusal(::testing::TempDir(), "no file that can be read");
@@ -181,14 +181,14 @@ TEST(MammogramIO, RefusesWhatIsNoMammogram)
   ExpectRefusal(TemporaryFile({}).Path, "no DICOM header");
 }
 
-TEST(MammogramIO, RefusesAnotherModality)
+TEST(DicomMammogram, RefusesAnotherModality)
 {
   const std::string slice = Shared + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
   SKIP_WITHOUT(slice);
   ExpectRefusal(slice, "found modality 'MR'");
 }
 
-TEST(MammogramIO, RefusesAFileCutShortAnywhere)
+TEST(DicomMammogram, RefusesAFileCutShortAnywhere)
 {
   SKIP_WITHOUT(VictreMammogram);
   const std::vector<char> whole = Bytes(VictreMammogram);
@@ -200,7 +200,7 @@ TEST(MammogramIO, RefusesAFileCutShortAnywhere)
   }
 }
 
-TEST(MammogramIO, RefusesCompressedPixelsCutShort)
+TEST(DicomMammogram, RefusesCompressedPixelsCutShort)
 {
   const std::string folder = Shared + "/digibreast/dicom/mg_presentation_mono2_";
   SKIP_WITHOUT(folder + "rle.dcm");
@@ -214,7 +214,7 @@ TEST(MammogramIO, RefusesCompressedPixelsCutShort)
   }
 }
 
-TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
+TEST(DicomMammogram, RefusesWhatItWouldHaveToGuess)
 {
   SKIP_WITHOUT(VictreMammogram);
   const std::vector<char> whole = Bytes(VictreMammogram);
@@ -237,7 +237,7 @@ TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
     "found '1x'");
 }
 
-TEST(MammogramIO, RefusesHeadersThatContradictThemselves)
+TEST(DicomMammogram, RefusesHeadersThatContradictThemselves)
 {
   SKIP_WITHOUT(VictreMammogram);
   const std::vector<char> whole = Bytes(VictreMammogram);
@@ -257,7 +257,7 @@ TEST(MammogramIO, RefusesHeadersThatContradictThemselves)
   ExpectRefusal(TemporaryFile(halved).Path, "bytes), found ");
 }
 
-TEST(MammogramIO, TakesTheSpacingAtTheReceptorFromTheMagnification)
+TEST(DicomMammogram, TakesTheSpacingAtTheReceptorFromTheMagnification)
 {
   SKIP_WITHOUT(VictreMammogram);
   using namespace std::string_literals;
@@ -271,7 +271,7 @@ TEST(MammogramIO, TakesTheSpacingAtTheReceptorFromTheMagnification)
   EXPECT_DOUBLE_EQ(ReadMammogram(TemporaryFile(bytes).Path).ColumnSpacingMm, 0.125);
 }
 
-TEST(MammogramIO, DeclaredPaddingBecomesNan)
+TEST(DicomMammogram, DeclaredPaddingBecomesNan)
 {
   SKIP_WITHOUT(VictreMammogram);
   using namespace std::string_literals;
