@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "SharedOptions.h"
-#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <cstdio>
 

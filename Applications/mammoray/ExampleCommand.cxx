@@ -8,6 +8,7 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/ShippedExamples.h"
 #include "mammoray/XRay/Exposer.h"
 
 #include "vtkImageData.h"

@@ -14,7 +14,7 @@
 #include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposer.h"
-#include "mammoray/XRay/OpenField.h"
+#include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OverlapMeasure.h"
 #include "mammoray/XRay/Tube.h"
 

@@ -3,8 +3,8 @@
 #define mammoray_ScatterData_h
 
 #include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/XRay/Scatter/PhotonMaterial.h"
-#include "mammoray/XRay/Scatter/ScatterKernels.h"
+#include "mammoray/XRay/Scatter/Photons.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 #include "mammorayIOModule.h"
 
 #include <string>

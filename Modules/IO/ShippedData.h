@@ -4,7 +4,6 @@
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/XRay/Beam.h"
-#include "mammoray/XRay/ExampleScenes.h"
 #include "mammorayIOModule.h"
 
 #include <string>
@@ -57,13 +56,6 @@ MAMMORAYIO_EXPORT std::vector<AttenuationTable> FindAttenuations(const MaterialT
 /// attenuation.
 MAMMORAYIO_EXPORT Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
   const DetectorResponse& response);
-
-/**
- * Makes the example of this name (see ExampleNames). "breast" is made from victre-phantom-1, the
- * FDA's phantom in the data directory, with materials/victre.json. Throws InputError with similar
- * names on an unknown one.
- */
-MAMMORAYIO_EXPORT ExampleScene MakeExampleScene(const std::string& name);
 }
 
 #endif

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/ShippedExamples.h"
+
 // Apart from the other shipped data, which a build without readers of volumes has, too
 // (Wrapping/Python).
 #include "mammoray/Foundation/Error.h"

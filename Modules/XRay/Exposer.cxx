@@ -3,6 +3,7 @@
 
 #include "Private/FollowedPhotons.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Refraction.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
-#include "mammoray/XRay/RandomStream.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace mammoray
@@ -52,6 +53,27 @@ struct MAMMORAYXRAY_EXPORT ExposureOptions
 
   /// Throws InputError, which names the value, if one is out of its range.
   void Validate() const;
+};
+
+/// Refraction of the rays.
+struct MAMMORAYXRAY_EXPORT RefractionOptions
+{
+  enum class Law
+  {
+    /// Geometric optics: every ray carries its intensity to its displaced place.
+    Geometric,
+    /// Near field of the transport-of-intensity equation: T - div(T s), with the transmission T and
+    /// the displacement s of rays at the detector.
+    NearField
+  };
+  Law Method = Law::Geometric;
+  /**
+   * Distance from the plane in which rays are bent to the detector, to which it is parallel, mm;
+   * not negative. Bodies are assumed to be thin compared with it. For a point source at a distance
+   * z1 from that plane, the detector's coordinates include the magnification (z1 + z2) / z1 of the
+   * displacement.
+   */
+  double DistanceMm = 0;
 };
 
 /// The dose that photons leave in the voxels of a scene.
@@ -108,6 +130,48 @@ using PathLengthFunction =
 MAMMORAYXRAY_EXPORT Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options = {},
   const ProgressCallback& progress = {});
+
+/**
+ * The heel effect: photons arise below the target's surface, and those that leave at grazing angles
+ * pass more of the target. Electrons meet the target at right angles to the central ray. With the
+ * depth z along the electrons, the angle a between target and central ray and the unit normal n of
+ * the target's surface, a ray of direction d passes z cos(a) / (d . n) of the target. No ray leaves
+ * below the surface.
+ */
+struct MAMMORAYXRAY_EXPORT HeelEffect
+{
+  /// Angle between target and central ray, degrees, in (0, 90). Mammography tubes have 16 to 24,
+  /// including their tilt. 0: no heel effect.
+  double TargetAngleDeg = 0;
+  /// Mean depth at which photons arise, mm. Not negative; 0.0005 is a quarter of the range of
+  /// electrons of 28 keV in tungsten (ESTAR).
+  double DepthMm = 0;
+  /// Composition of the target (see FindComposition).
+  std::string Target = "W";
+};
+
+/// Variation of the open beam over the detector.
+struct MAMMORAYXRAY_EXPORT OpenFieldOptions
+{
+  /// Photons per area fall with the square of the distance from the focus and the cosine of the
+  /// angle at which they meet the detector.
+  bool InverseSquare = false;
+  HeelEffect Heel;
+};
+
+/**
+ * The detected signal by pixel, Rows * Columns values, relative to that where the ray from the
+ * focus meets the detector's plane at right angles. The central ray of the heel effect is that ray;
+ * the anode lies in the direction of the detector's columns (a mammography unit's: of the nipple).
+ * The heel effect acts on the spectrum of the open beam. Behind tissue, the photons that it removes
+ * are assumed to have the same spectrum as all others.
+ *
+ * Throws InputError on options out of range, on a parallel beam, and if the heel effect removes the
+ * signal of every pixel.
+ */
+MAMMORAYXRAY_EXPORT std::vector<float> OpenField(const XRaySource& source,
+  const XRayDetector& detector, const Spectrum& spectrum, const DetectorResponse& response,
+  const OpenFieldOptions& options);
 }
 
 #endif

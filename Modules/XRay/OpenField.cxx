@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/XRay/OpenField.h"
+#include "mammoray/XRay/Exposure.h"
 
 #include "Private/ProjectionChecks.h"
 #include "mammoray/Foundation/Error.h"

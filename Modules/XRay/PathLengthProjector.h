@@ -2,6 +2,7 @@
 #ifndef mammoray_PathLengthProjector_h
 #define mammoray_PathLengthProjector_h
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayXRayModule.h"
@@ -12,6 +13,22 @@
 
 namespace mammoray
 {
+/// No Vulkan device is usable, or the device failed. The message is one line with the reason.
+class DeviceError : public Error
+{
+public:
+  explicit DeviceError(const std::string& message, const std::string& resultName = {})
+    : Error(message)
+    , Result(resultName)
+  {
+  }
+  /// Name of the VkResult, for example "VK_ERROR_OUT_OF_DEVICE_MEMORY". Empty if there is none.
+  const std::string& ResultName() const { return this->Result; }
+
+private:
+  std::string Result;
+};
+
 class Beam;
 
 /// The source of the X-rays, in the frame of the mesh.

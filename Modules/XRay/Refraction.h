@@ -30,26 +30,6 @@ MAMMORAYXRAY_EXPORT double RefractiveDecrement(const std::string& composition, d
 MAMMORAYXRAY_EXPORT std::vector<double> RefractiveDecrements(const Spectrum& spectrum,
   const MaterialTable& materials, int count, const std::vector<bool>& used);
 
-struct MAMMORAYXRAY_EXPORT RefractionOptions
-{
-  enum class Law
-  {
-    /// Geometric optics: every ray carries its intensity to its displaced place.
-    Geometric,
-    /// Near field of the transport-of-intensity equation: T - div(T s), with the transmission T and
-    /// the displacement s of rays at the detector.
-    NearField
-  };
-  Law Method = Law::Geometric;
-  /**
-   * Distance from the plane in which rays are bent to the detector, to which it is parallel, mm;
-   * not negative. Bodies are assumed to be thin compared with it. For a point source at a distance
-   * z1 from that plane, the detector's coordinates include the magnification (z1 + z2) / z1 of the
-   * displacement.
-   */
-  double DistanceMm = 0;
-};
-
 /**
  * Projects the projector's surface of `pointCount` points with the derivatives of its path lengths
  * with respect to shifts of the body along the detector's columns and rows: two velocity fields in

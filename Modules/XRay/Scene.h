@@ -6,12 +6,10 @@
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/PathLengthProjector.h"
-#include "mammoray/XRay/Refraction.h"
-#include "mammoray/XRay/Scatter/AntiscatterGrid.h"
 #include "mammoray/XRay/Scatter/MonteCarlo.h"
-#include "mammoray/XRay/Scatter/ScatterKernels.h"
+#include "mammoray/XRay/Scatter/Photons.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 #include "mammorayXRayModule.h"
 
 #include <memory>

@@ -5,6 +5,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/ShippedExamples.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/XRay/Scatter/AntiscatterGrid.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 
 #include <gtest/gtest.h>
 

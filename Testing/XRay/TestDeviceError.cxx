@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <gtest/gtest.h>
 

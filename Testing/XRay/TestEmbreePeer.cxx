@@ -2,7 +2,7 @@
 // Ray by ray against Embree, which shares no code and no hit test with either projector.
 #include "EmbreePathLengths.h"
 #include "SurfaceShapes.h"
-#include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/ShippedExamples.h"
 
 #include <gtest/gtest.h>
 

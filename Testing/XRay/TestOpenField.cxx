@@ -2,7 +2,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Composition.h"
 #include "mammoray/XRay/DetectorPlane.h"
-#include "mammoray/XRay/OpenField.h"
+#include "mammoray/XRay/Exposure.h"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path lengths against closed forms, against a slow reference, and identities.
 #include "ProjectorTesting.h"
-#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <gmock/gmock.h>
 

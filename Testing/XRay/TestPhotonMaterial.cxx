@@ -3,7 +3,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Composition.h"
-#include "mammoray/XRay/Scatter/PhotonMaterial.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 
 #include <gtest/gtest.h>
 

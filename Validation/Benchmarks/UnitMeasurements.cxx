@@ -4,7 +4,6 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/Refraction.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 

@@ -9,7 +9,7 @@
 #include "UnitMeasurements.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
-#include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/ShippedExamples.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes Data/scatter/breast.csv again, and prints what it says of published figures.
-#include "Private/PhotonDirection.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/IO/AtomicFile.h"
-#include "mammoray/XRay/Scatter/PhotonMaterial.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Tube.h"
 

@@ -2,8 +2,8 @@
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
-#include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/Exposer.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <mex.h>
 

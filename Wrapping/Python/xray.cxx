@@ -4,9 +4,9 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposer.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>

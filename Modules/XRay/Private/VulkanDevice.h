@@ -2,7 +2,6 @@
 #ifndef mammoray_VulkanDevice_h
 #define mammoray_VulkanDevice_h
 
-#include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "Private/Vulkan.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Scatter/MonteCarlo.h"
 
-#include "Private/PhotonDirection.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/DetectorPlane.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,7 @@
 #include "mammoray/Foundation/Volumes.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
-#include "mammoray/XRay/Scatter/AntiscatterGrid.h"
-#include "mammoray/XRay/Scatter/PhotonMaterial.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 #include "mammorayXRayModule.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/XRay/Scatter/ScatterKernels.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 
 #include "Private/AxisPlace.h"
 #include "mammoray/Foundation/Error.h"
