@@ -6,7 +6,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"

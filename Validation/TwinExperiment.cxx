@@ -11,8 +11,8 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
+#include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/RegistrationCase.h"
 
 #include "vtkDoubleArray.h"

@@ -9,9 +9,9 @@
 #include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammoray/Study/LesionShadow.h"
+#include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammorayAppModule.h"
 

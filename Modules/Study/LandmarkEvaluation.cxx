@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/LandmarkEvaluation.h"
 
+#include "Private/CellFinder.h"
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/PosedBreast.h"
 
 #include "vtkDataArray.h"
-#include "vtkGenericCell.h"
 #include "vtkLandmarkTransform.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
-#include "vtkStaticCellLocator.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 
 namespace mammoray
@@ -24,51 +22,6 @@ namespace
 {
 constexpr const char* HeaderWithFlag = "ux,uy,uz,cx,cy,cz,imaged";
 constexpr const char* HeaderWithoutFlag = "ux,uy,uz,cx,cy,cz";
-
-/// The displacement of the body at a point: linear in the cell that holds it or lies nearest.
-class DisplacementOfGrid
-{
-public:
-  explicit DisplacementOfGrid(vtkUnstructuredGrid* grid)
-    : Displacement(grid->GetPointData()->GetArray("Displacement"))
-  {
-    if (!this->Displacement || this->Displacement->GetNumberOfComponents() != 3)
-    {
-      throw InputError("mesh: expected the point array 'Displacement' with 3 components");
-    }
-    this->Locator->SetDataSet(grid);
-    this->Locator->BuildLocator();
-  }
-
-  Vector3 At(const Vector3& point)
-  {
-    double closest[3];
-    double distance2 = 0;
-    vtkIdType cellId = -1;
-    int subId = 0;
-    this->Locator->FindClosestPoint(point.data(), closest, this->Cell, cellId, subId, distance2);
-    if (cellId < 0)
-    {
-      throw InputError("mesh: expected cells around the landmarks, found none");
-    }
-    double parametric[3];
-    double weights[10];
-    this->Cell->EvaluatePosition(closest, nullptr, subId, parametric, distance2, weights);
-    Vector3 displacement{ 0, 0, 0 };
-    for (vtkIdType corner = 0; corner < this->Cell->GetNumberOfPoints(); ++corner)
-    {
-      double value[3];
-      this->Displacement->GetTuple(this->Cell->GetPointId(corner), value);
-      displacement = displacement + weights[corner] * Vector3{ value[0], value[1], value[2] };
-    }
-    return displacement;
-  }
-
-private:
-  vtkDataArray* Displacement;
-  vtkNew<vtkStaticCellLocator> Locator;
-  vtkNew<vtkGenericCell> Cell;
-};
 
 Vector3 OnReceptor(const Vector3& gantry, const MammographyUnit& unit)
 {
@@ -83,10 +36,9 @@ MammographyUnit TrueUnit(const LandmarkTruth& truth)
   return unit;
 }
 
-/// The rigid motion that takes the chosen landmarks nearest to the truth in the sense of least
-/// squares.
-std::function<Vector3(const Vector3&)> BestRigidMotion(const std::vector<Landmark>& landmarks,
-  bool imagedOnly)
+/// The landmarks moved by the rigid motion that takes the chosen ones nearest to the truth in the
+/// sense of least squares.
+std::vector<Vector3> MoveRigidly(const std::vector<Landmark>& landmarks, bool imagedOnly)
 {
   vtkNew<vtkPoints> from;
   vtkNew<vtkPoints> to;
@@ -100,17 +52,17 @@ std::function<Vector3(const Vector3&)> BestRigidMotion(const std::vector<Landmar
       to->InsertNextPoint(landmark.Compressed.data());
     }
   }
-  vtkSmartPointer<vtkLandmarkTransform> transform = vtkSmartPointer<vtkLandmarkTransform>::New();
+  vtkNew<vtkLandmarkTransform> transform;
   transform->SetModeToRigidBody();
   transform->SetSourceLandmarks(from);
   transform->SetTargetLandmarks(to);
   transform->Update();
-  return [transform](const Vector3& point)
+  std::vector<Vector3> moved(landmarks.size());
+  for (std::size_t index = 0; index < moved.size(); ++index)
   {
-    Vector3 moved;
-    transform->TransformPoint(point.data(), moved.data());
-    return moved;
-  };
+    transform->TransformPoint(landmarks[index].Uncompressed.data(), moved[index].data());
+  }
+  return moved;
 }
 }
 
@@ -206,12 +158,18 @@ LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
 
 std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
 {
-  DisplacementOfGrid field(body);
+  vtkDataArray* displacement = body->GetPointData()->GetArray("Displacement");
+  if (!displacement || displacement->GetNumberOfComponents() != 3)
+  {
+    throw InputError("mesh: expected the point array 'Displacement' with 3 components");
+  }
+  CellFinder finder(body);
   std::vector<Vector3> moved;
   moved.reserve(points.size());
   for (const Vector3& point : points)
   {
-    moved.push_back(point + field.At(point));
+    moved.push_back(
+      point + finder.Find(point, std::numeric_limits<double>::max()).Interpolate(displacement));
   }
   return moved;
 }
@@ -221,32 +179,31 @@ std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landm
   const MammographyUnit& registeredUnit)
 {
   std::vector<LandmarkErrors> methods;
-  // `carry` takes an uncompressed point into the gantry frame.
   const MammographyUnit trueUnit = TrueUnit(truth);
-  const auto add = [&](const std::string& name, const MammographyUnit& unit,
-                     const std::function<Vector3(const Vector3&)>& carry)
+  // `found`: the compressed landmarks by a method, in the frame of `placed`.
+  const auto add = [&](const std::string& name, const std::vector<Vector3>& found,
+                     const VolumeFromGantry& placed, const MammographyUnit& unit)
   {
     LandmarkErrors errors;
     errors.Method = name;
-    for (const Landmark& landmark : landmarks)
+    for (std::size_t index = 0; index < landmarks.size(); ++index)
     {
-      const Vector3 expected = truth.Placed.ToGantry(landmark.Compressed);
-      const Vector3 found = carry(landmark.Uncompressed);
-      errors.InSpace.push_back(Norm(found - expected));
-      errors.OnReceptor.push_back(Norm(OnReceptor(found, unit) - OnReceptor(expected, trueUnit)));
+      const Vector3 expected = truth.Placed.ToGantry(landmarks[index].Compressed);
+      const Vector3 at = placed.ToGantry(found[index]);
+      errors.InSpace.push_back(Norm(at - expected));
+      errors.OnReceptor.push_back(Norm(OnReceptor(at, unit) - OnReceptor(expected, trueUnit)));
     }
     methods.push_back(errors);
   };
-  add("identity", trueUnit, [&](const Vector3& point) { return truth.Placed.ToGantry(point); });
-  for (const bool imagedOnly : { true, false })
+  std::vector<Vector3> points;
+  for (const Landmark& landmark : landmarks)
   {
-    const auto rigid = BestRigidMotion(landmarks, imagedOnly);
-    add(imagedOnly ? "rigid, fitted to the imaged truth" : "rigid, fitted to all of the truth",
-      trueUnit, [&](const Vector3& point) { return truth.Placed.ToGantry(rigid(point)); });
+    points.push_back(landmark.Uncompressed);
   }
-  DisplacementOfGrid field(uncompressed);
-  add("registered", registeredUnit,
-    [&](const Vector3& point) { return registered.ToGantry(point + field.At(point)); });
+  add("identity", points, truth.Placed, trueUnit);
+  add("rigid, fitted to the imaged truth", MoveRigidly(landmarks, true), truth.Placed, trueUnit);
+  add("rigid, fitted to all of the truth", MoveRigidly(landmarks, false), truth.Placed, trueUnit);
+  add("registered", Displace(points, uncompressed), registered, registeredUnit);
   return methods;
 }
 }

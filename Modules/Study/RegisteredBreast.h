@@ -4,9 +4,11 @@
 
 #include "mammoray/Foundation/Vector3.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/ResultFile.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayStudyModule.h"
+
+#include "vtkSmartPointer.h"
 
 #include <array>
 #include <memory>
@@ -18,14 +20,42 @@ class vtkUnstructuredGrid;
 
 namespace mammoray
 {
+/// Prefix, followed by a parameter's name, of the point arrays of uncompressed.vtu with the
+/// derivatives of the compressed positions, seen from the unit; mm per mm or degree.
+inline constexpr const char* SensitivityArrayPrefix = "Sensitivity_";
+
+/// A breast at rest and compressed, and the unit that images it.
+struct BreastInUnit
+{
+  /// The same linear tetrahedra in both, volume frame, mm, with the cell array "Material". The
+  /// uncompressed grid may have sensitivities (SensitivityArrayPrefix).
+  vtkSmartPointer<vtkUnstructuredGrid> Uncompressed;
+  vtkSmartPointer<vtkUnstructuredGrid> Compressed;
+  VolumeFromGantry Placed;
+  MammographyUnit Unit;
+  /// The mammogram's pixels.
+  ReceptorGrid Grid;
+  /// Names of the parameters of a registration in its order, and their covariance including fixed
+  /// ones that have a prior, row by row; empty if it is unknown.
+  std::vector<std::string> Parameters;
+  std::vector<double> Covariance;
+};
+
+/// Fills all but the meshes from a result.
+MAMMORAYSTUDY_EXPORT void DescribeUnit(const ResultFile& result, BreastInUnit& breast);
+
+/// Reads the breast of a result and its meshes from the result's folder. Throws InputError, which
+/// names the file, also if the two are not one mesh, displaced by the uncompressed mesh's point
+/// array "Displacement" (mm), or if their placement is not the result's.
+MAMMORAYSTUDY_EXPORT BreastInUnit ReadBreastInUnit(const ResultFile& result);
+
 /// An ellipse of one standard deviation.
 struct UncertaintyEllipse
 {
   double MajorMm = 0;
   double MinorMm = 0;
-  /// The major axis goes this far from the direction of increasing columns towards increasing rows;
-  /// degrees,
-  /// (-90, 90].
+  /// Angle of the major axis from the direction of increasing columns towards increasing rows;
+  /// degrees, (-90, 90].
   double AngleDeg = 0;
 };
 
@@ -33,8 +63,8 @@ struct UncertaintyEllipse
 /// the root of chi squared's quantile for two degrees of freedom, -2 ln 0.05.
 inline constexpr double Deviations95 = 2.4477468306808166;
 
-/// Points of the ellipse around a place of the receptor, gantry x and y, mm; half its axes are
-/// `deviations` of its standard deviations. `grid`: the mammogram's, to which its angle refers.
+/// Points of the ellipse around a place of the receptor, gantry x and y, mm, with half axes of
+/// `deviations` standard deviations. `grid`: the mammogram's, to which its angle refers.
 MAMMORAYSTUDY_EXPORT std::vector<std::array<double, 2>> EllipsePoints(
   const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle, const ReceptorGrid& grid,
   double deviations);
@@ -51,28 +81,27 @@ struct ImagedPoint
   double Column = 0;
   double Row = 0;
   bool InImage = false;
-  /// They follow from the covariance of the registration's parameters, those held fixed with their
-  /// priors, and from the model's own error (ModelErrorMm); empty where the registration has no
-  /// covariance. Of the point's shadow, and of the point between the plates: mm^2, gantry frame,
-  /// row by row.
+  /// Uncertainty of the point's shadow, and covariance of the point between the plates (mm^2,
+  /// gantry frame, row by row), from the covariance of the registration's parameters, including
+  /// fixed ones that have a prior, and from the model's own error (ModelError). Empty if the
+  /// registration has no covariance.
   std::optional<UncertaintyEllipse> Uncertainty;
   std::optional<std::array<double, 9>> Covariance;
-  /// What of that, each way, is the model's own error, as a standard deviation, mm; 0 where there
-  /// is no covariance.
+  /// Standard deviation of the model's own error in each direction, which is part of that, mm; 0
+  /// without a covariance.
   double ModelSigmaMm = 0;
 };
 
 /// How a point moves with the tissue.
 struct CarriedPoint
 {
-  /// Of Carry, it leads from the breast at rest into the compressed one; volume frame, mm.
+  /// Volume frame, mm.
   Vector3 Displacement{ 0, 0, 0 };
   /// More than a millimetre outside the breast; moved with the nearest tissue.
   bool Outside = false;
 };
 
-/// A stretch of an X-ray in one material; points of the line of sight carried back into the
-/// uncompressed breast.
+/// Part of an X-ray in one material, carried back into the uncompressed breast.
 struct RaySegment
 {
   std::string Material;
@@ -85,34 +114,34 @@ struct RaySegment
   std::vector<Vector3> Uncompressed;
 };
 
-/// A registered breast, to find points of the one image in the other.
+/// A registered breast: finds points of the MRI in the mammogram and the other way round.
 class MAMMORAYSTUDY_EXPORT RegisteredBreast
 {
 public:
   /// Reads the folder that 'mammoray register' wrote for one mammogram. Throws InputError that
   /// names the file.
   explicit RegisteredBreast(const std::string& folder);
-  /// Throws InputError where the grids do not belong together.
+  /// Throws InputError if the grids have different numbers of points or cells.
   explicit RegisteredBreast(const BreastInUnit& breast);
   ~RegisteredBreast();
   RegisteredBreast(RegisteredBreast&&) noexcept;
   RegisteredBreast& operator=(RegisteredBreast&&) noexcept;
 
-  /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more
-  /// than a millimetre outside the breast.
+  /// Finds a point of the label volume's frame (mm) in the mammogram. Throws InputError if it lies
+  /// more than a millimetre outside the breast.
   ImagedPoint ToMammogram(const Vector3& point) const;
 
-  /// Where tissue at a point of the label volume's frame (mm) goes.
+  /// Displacement of tissue at a point of the label volume's frame (mm) into the compressed breast.
   CarriedPoint Carry(const Vector3& point) const;
 
-  /// Where tissue at a point of the compressed breast (volume frame, mm) came from: the
-  /// displacement leads back, to the breast at rest.
+  /// Displacement of tissue at a point of the compressed breast (volume frame, mm) back to where it
+  /// is at rest.
   CarriedPoint CarryBack(const Vector3& point) const;
 
   /**
-   * What lies behind a pixel (continuous position): the tissues that the X-ray crosses, from the
-   * source towards the receptor, in steps of at most `stepMm` (positive). Empty where it misses the
-   * breast. Throws InputError outside the image.
+   * Finds the tissues that the X-ray of a pixel (continuous position) crosses, from the source
+   * towards the receptor, in steps of at most `stepMm` (positive). Empty if it misses the breast.
+   * Throws InputError outside the image.
    */
   std::vector<RaySegment> ToVolume(double column, double row, double stepMm = 0.25) const;
 
@@ -128,7 +157,7 @@ private:
   std::unique_ptr<Internals> Internal;
 };
 
-/// Where a registered mammogram shows something: continuous column and row.
+/// A place in a registered mammogram: continuous column and row.
 struct SeenInView
 {
   const RegisteredBreast* Breast = nullptr;
@@ -140,17 +169,16 @@ struct TissueInTwoViews
 {
   /// At rest, frame of the label volume, mm.
   Vector3 Point{ 0, 0, 0 };
-  /// How far the X-rays' curves through the tissue at rest pass each other there, mm: what
-  /// registrations or marks are off by at least.
+  /// Distance there between the two X-rays' curves through the tissue at rest, mm: a lower bound of
+  /// the errors of registrations or marks.
   double GapMm = 0;
 };
 
 /**
- * The tissue at rest that lies behind a pixel of one mammogram and behind one of another of the
- * same breast: each X-ray leads through the compressed breast, whose tissue is a curve in the
- * breast at rest; the middle between the curves where they are nearest, to `stepMm`. One picture
- * alone tells nothing of the place along its X-ray. Nothing where an X-ray misses the breast.
- * Throws InputError where a pixel lies outside its mammogram.
+ * Finds the tissue at rest that two mammograms of one breast show at a pixel each. The tissue that
+ * an X-ray crosses between the plates is a curve in the breast at rest; the result is the middle
+ * between the two curves where they are nearest, to `stepMm`. Nothing if an X-ray misses the
+ * breast. Throws InputError if a pixel lies outside its mammogram.
  */
 MAMMORAYSTUDY_EXPORT std::optional<TissueInTwoViews> FindInTwoViews(const SeenInView& first,
   const SeenInView& second, double stepMm = 0.5);

@@ -9,7 +9,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/RegistrationReport.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyCase.h"

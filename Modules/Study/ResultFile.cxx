@@ -21,6 +21,18 @@ namespace
 constexpr const char* SingleFormat = "mammoray-registration-result";
 constexpr const char* JointFormat = "mammoray-joint-registration-result";
 
+/// A value of a file, short enough for a line; "none" if there is none.
+std::string Shown(const Json* json)
+{
+  if (!json)
+  {
+    return "none";
+  }
+  constexpr std::size_t Longest = 60;
+  const std::string text = json->dump(-1, ' ', true, Json::error_handler_t::replace);
+  return text.size() > Longest ? text.substr(0, Longest) + "..." : text;
+}
+
 std::string PathIn(const std::string& folder)
 {
   return (std::filesystem::path(folder) / ResultFileName).string();
@@ -204,6 +216,65 @@ std::string FolderWithin(const std::string& folder, const JointResultFile::Regis
 {
   return (std::filesystem::path(folder) / mammogram.Folder).string();
 }
+}
+
+void FieldReader::Refuse(const std::string& field, const std::string& expected,
+  const std::string& found) const
+{
+  const auto at = this->Object.find(field);
+  throw InputError(this->File + ": field '" + this->Prefix + field + "': expected " + expected +
+    ", found " + (!found.empty() ? found : Shown(at == this->Object.end() ? nullptr : &*at)));
+}
+
+void FieldReader::CheckVersion() const
+{
+  int version = 0;
+  (*this)("formatVersion", version);
+  if (version != ResultFormatVersion)
+  {
+    this->Refuse("formatVersion", std::to_string(ResultFormatVersion));
+  }
+}
+
+void FieldReader::Check(bool fits, const Json* json, const std::string& field,
+  const std::string& expected) const
+{
+  if (!fits)
+  {
+    throw InputError(
+      this->File + ": field '" + field + "': expected " + expected + ", found " + Shown(json));
+  }
+}
+
+void FieldReader::Read(const Json* json, const std::string& field, std::string& value) const
+{
+  this->Check(json && json->is_string(), json, field, "a text");
+  value = EscapeControls(json->get_ref<const std::string&>());
+}
+
+void FieldReader::Read(const Json* json, const std::string& field, Trust& value) const
+{
+  std::string name;
+  this->Read(json, field, name);
+  for (const Trust level : { Trust::Good, Trust::Doubtful, Trust::None })
+  {
+    if (name == NameOf(level))
+    {
+      value = level;
+      return;
+    }
+  }
+  this->Check(false, json, field, "good, doubtful or none");
+}
+
+void FieldReader::Read(const Json* json, const std::string& field, NamedTexts& texts) const
+{
+  this->Check(json && json->is_object(), json, field, "an object");
+  texts.clear();
+  for (const auto& [name, text] : json->items())
+  {
+    this->Read(&text, field + "." + name, texts.emplace_back(name, "").second);
+  }
 }
 
 void WriteResultFile(const ResultFile& result, const std::string& folder)

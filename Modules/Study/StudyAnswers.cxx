@@ -5,8 +5,8 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Registration/PosedBreast.h"
-#include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
+#include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/StudyTruth.h"
 
 #include "vtkUnstructuredGrid.h"

@@ -4,7 +4,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/Registration/RegistrationResult.h"
-#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/RegisteredBreast.h"
 
 #include "vtkUnstructuredGrid.h"
 

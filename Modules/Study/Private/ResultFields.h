@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of result.json, each named once: ListFields tells a structure's fields to a
-// FieldWriter or to a FieldReader, so that what is written and what is read cannot differ. A new
-// field is one line in its list, one in docs/result-file.md, and a higher ResultFormatVersion.
+// The fields of result.json. ListFields names those of a structure once, for FieldWriter and for
+// FieldReader. A new field is one line in its list, one in docs/result-file.md, and a higher
+// ResultFormatVersion.
 #ifndef mammoray_ResultFields_h
 #define mammoray_ResultFields_h
 
@@ -10,10 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <concepts>
+#include <limits>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,26 +20,15 @@ namespace mammoray
 {
 using Json = nlohmann::ordered_json;
 
-/// A number that may be unknown: NaN here, null in the file.
-struct NumberOrNull
+/// A number or a list that may be unknown: NaN or empty here, null in the file.
+template <typename T>
+struct OrNull
 {
-  double& Value;
+  T& Value;
 };
 
-/// A list that may be unknown: empty here, null in the file.
-struct ListOrNull
-{
-  std::vector<double>& Values;
-};
-
-/// Pairs of names and texts that are one object in the file.
-struct NamedTexts
-{
-  std::vector<std::pair<std::string, std::string>>& Pairs;
-};
-
-class FieldWriter;
-class FieldReader;
+/// Names and texts that are one object in the file.
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
 template <typename Fields>
 void ListFields(Fields& fields, AnatomicalAxes& axes)
@@ -63,7 +51,7 @@ void ListFields(Fields& fields, ResultParameter& parameter)
   fields("name", parameter.Name);
   fields("unit", parameter.Unit);
   fields("value", parameter.Value);
-  fields("standardDeviation", NumberOrNull{ parameter.StandardDeviation });
+  fields("standardDeviation", OrNull{ parameter.StandardDeviation });
   fields("start", parameter.Start);
   fields("lower", parameter.Lower);
   fields("upper", parameter.Upper);
@@ -105,8 +93,8 @@ template <typename Fields>
 void ListFields(Fields& fields, ResultProjection& projection)
 {
   fields("focalSpotMm", projection.FocalSpotMm);
-  fields("correlation", NumberOrNull{ projection.After.Correlation });
-  fields("meanOutlineDistanceMm", NumberOrNull{ projection.After.MeanOutlineDistanceMm });
+  fields("correlation", OrNull{ projection.After.Correlation });
+  fields("meanOutlineDistanceMm", OrNull{ projection.After.MeanOutlineDistanceMm });
 }
 
 /// A stage of the case and its wall time.
@@ -123,10 +111,10 @@ void ListFields(Fields& fields, RegistrationIteration& iteration)
   fields("number", iteration.Number);
   fields("pixelSizeMm", iteration.PixelSizeMm);
   fields("comparison", iteration.Comparison);
-  fields("cost", NumberOrNull{ iteration.Cost });
-  fields("outlineCost", NumberOrNull{ iteration.OutlineCost });
-  fields("intensityCost", NumberOrNull{ iteration.IntensityCost });
-  fields("priorCost", NumberOrNull{ iteration.PriorCost });
+  fields("cost", OrNull{ iteration.Cost });
+  fields("outlineCost", OrNull{ iteration.OutlineCost });
+  fields("intensityCost", OrNull{ iteration.IntensityCost });
+  fields("priorCost", OrNull{ iteration.PriorCost });
   fields("parameters", iteration.Parameters);
   fields("seconds", iteration.Seconds);
 }
@@ -143,8 +131,8 @@ void ListFields(Fields& fields, RegistrationMisfit& misfit)
 template <typename Fields>
 void ListFields(Fields& fields, ExpectedError& expected)
 {
-  fields("medianMm", NumberOrNull{ expected.MedianMm });
-  fields("most95Mm", NumberOrNull{ expected.Most95Mm });
+  fields("medianMm", OrNull{ expected.MedianMm });
+  fields("most95Mm", OrNull{ expected.Most95Mm });
 }
 
 template <typename Fields>
@@ -153,7 +141,7 @@ void ListFields(Fields& fields, ResultCompression& compression)
   fields("paddleForceN", compression.PaddleForceN);
   fields("supportForceN", compression.SupportForceN);
   fields("largestWallGlideMm", compression.LargestWallGlideMm);
-  fields("otherEquilibriumMm", NumberOrNull{ compression.OtherEquilibriumMm });
+  fields("otherEquilibriumMm", OrNull{ compression.OtherEquilibriumMm });
   fields("volumeRatio", compression.VolumeRatio);
   fields("smallestJ", compression.SmallestJ);
   fields("largestJ", compression.LargestJ);
@@ -199,15 +187,15 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("axes", result.Axes);
   fields("anchorMm", result.Anchor);
   fields("parameters", result.Parameters);
-  fields("covariance", ListOrNull{ result.Covariance });
-  fields("consideredCovariance", ListOrNull{ result.ConsideredCovariance });
+  fields("covariance", OrNull{ result.Covariance });
+  fields("consideredCovariance", OrNull{ result.ConsideredCovariance });
   fields("grid", result.Grid);
   fields("placement", result.Placed);
   fields("unit", result.Unit);
-  fields("correlation", NumberOrNull{ result.After.Correlation });
-  fields("meanOutlineDistanceMm", NumberOrNull{ result.After.MeanOutlineDistanceMm });
-  fields("largestOutlineDistanceMm", NumberOrNull{ result.After.LargestOutlineDistanceMm });
-  fields("tissueCorrelation", NumberOrNull{ result.After.TissueCorrelation });
+  fields("correlation", OrNull{ result.After.Correlation });
+  fields("meanOutlineDistanceMm", OrNull{ result.After.MeanOutlineDistanceMm });
+  fields("largestOutlineDistanceMm", OrNull{ result.After.LargestOutlineDistanceMm });
+  fields("tissueCorrelation", OrNull{ result.After.TissueCorrelation });
   fields("projections", result.Projections);
   fields("misfit", result.Misfit);
   fields("expectedError", result.Expected);
@@ -224,7 +212,7 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("inputs", result.Inputs);
   fields("spectrum", result.Spectrum);
   fields("scatter", result.Scatter);
-  fields("versions", NamedTexts{ result.Versions });
+  fields("versions", result.Versions);
 }
 
 template <typename Fields>
@@ -234,8 +222,8 @@ void ListFields(Fields& fields, JointResultFile::Registered& mammogram)
   fields("view", mammogram.View);
   fields("laterality", mammogram.Laterality);
   fields("trust", mammogram.Level);
-  fields("correlation", NumberOrNull{ mammogram.Correlation });
-  fields("meanOutlineDistanceMm", NumberOrNull{ mammogram.MeanOutlineDistanceMm });
+  fields("correlation", OrNull{ mammogram.Correlation });
+  fields("meanOutlineDistanceMm", OrNull{ mammogram.MeanOutlineDistanceMm });
 }
 
 template <typename Fields>
@@ -245,7 +233,7 @@ void ListFields(Fields& fields, JointResultFile::Unknown& unknown)
   fields("unit", unknown.Unit);
   fields("folder", unknown.Folder);
   fields("value", unknown.Value);
-  fields("standardDeviation", NumberOrNull{ unknown.StandardDeviation });
+  fields("standardDeviation", OrNull{ unknown.StandardDeviation });
 }
 
 template <typename Fields>
@@ -253,11 +241,19 @@ void ListFields(Fields& fields, JointResultFile& result)
 {
   fields("mammograms", result.Mammograms);
   fields("unknowns", result.Unknowns);
-  fields("covariance", ListOrNull{ result.Covariance });
+  fields("covariance", OrNull{ result.Covariance });
   fields("converged", result.Converged);
   fields("stopReason", result.StopReason);
   fields("seconds", result.Seconds);
 }
+
+class FieldWriter;
+
+template <typename T>
+concept HasFields = requires(FieldWriter& writer, T& value)
+{
+  ListFields(writer, value);
+};
 
 /// Puts fields into a JSON object, in the order in which they are listed.
 class FieldWriter
@@ -276,6 +272,10 @@ public:
 
 private:
   template <typename T>
+  requires(!HasFields<T>) static Json Make(T& value) { return value; } // NaN becomes null
+  static Json Make(char value) { return std::string(1, value); }
+  static Json Make(Trust value) { return NameOf(value); }
+  template <HasFields T>
   static Json Make(T& value)
   {
     Json object = Json::object();
@@ -283,37 +283,7 @@ private:
     ListFields(writer, value);
     return object;
   }
-  template <typename T>
-  requires std::is_arithmetic_v<T>
-  static Json Make(T& value) { return value; }
-  static Json Make(std::string& value) { return value; }
-  static Json Make(char value) { return std::string(1, value); }
-  static Json Make(Trust value) { return NameOf(value); }
-  static Json Make(NumberOrNull& number) { return number.Value; } // NaN becomes null
-  static Json Make(ListOrNull& list)
-  {
-    return list.Values.empty() ? Json(nullptr) : Json(list.Values);
-  }
-  static Json Make(NamedTexts& texts)
-  {
-    Json object = Json::object();
-    for (const auto& [name, text] : texts.Pairs)
-    {
-      object[name] = text;
-    }
-    return object;
-  }
-  template <typename T>
-  static Json Make(std::optional<T>& value)
-  {
-    return value ? Json(*value) : Json(nullptr);
-  }
-  template <std::size_t Count>
-  static Json Make(std::array<double, Count>& values)
-  {
-    return values;
-  }
-  template <typename T>
+  template <HasFields T>
   static Json Make(std::vector<T>& values)
   {
     Json list = Json::array();
@@ -323,16 +293,34 @@ private:
     }
     return list;
   }
+  template <typename T>
+  static Json Make(std::optional<T>& value)
+  {
+    return value ? Json(*value) : Json(nullptr);
+  }
+  static Json Make(OrNull<double>& number) { return number.Value; }
+  static Json Make(OrNull<std::vector<double>>& list)
+  {
+    return list.Value.empty() ? Json(nullptr) : Json(list.Value);
+  }
+  static Json Make(NamedTexts& texts)
+  {
+    Json object = Json::object();
+    for (const auto& [name, text] : texts)
+    {
+      object[name] = text;
+    }
+    return object;
+  }
 
   Json& Object;
 };
 
 /// Takes fields from a JSON object. Throws InputError that names file, field, what was expected and
-/// what was found where one is missing or of another kind.
+/// what was found.
 class FieldReader
 {
 public:
-  /// `prefix`: where the object lies in the file, with a point at its end.
   FieldReader(const Json& object, const std::string& file, const std::string& prefix = "")
     : Object(object)
     , File(file)
@@ -347,7 +335,7 @@ public:
     this->Read(found == this->Object.end() ? nullptr : &*found, this->Prefix + name, value);
   }
 
-  /// Throws; `found`: what stands there, by default as in the file.
+  /// Throws; `found` is by default the field's value in the file.
   [[noreturn]] void Refuse(const std::string& field, const std::string& expected,
     const std::string& found = "") const;
 
@@ -355,24 +343,48 @@ public:
   void CheckVersion() const;
 
 private:
-  void Check(bool fits, const Json* json, const std::string& field, const char* expected) const;
+  void Check(bool fits, const Json* json, const std::string& field,
+    const std::string& expected) const;
 
-  template <typename T>
-  void Read(const Json* json, const std::string& field, T& value) const
-  {
-    this->Check(json && json->is_object(), json, field, "an object");
-    const FieldReader reader(*json, this->File, field + ".");
-    ListFields(reader, value);
-  }
-  void Read(const Json* json, const std::string& field, double& value) const;
-  void Read(const Json* json, const std::string& field, int& value) const;
-  void Read(const Json* json, const std::string& field, bool& value) const;
-  void Read(const Json* json, const std::string& field, char& value) const;
   void Read(const Json* json, const std::string& field, std::string& value) const;
   void Read(const Json* json, const std::string& field, Trust& value) const;
-  void Read(const Json* json, const std::string& field, NumberOrNull& number) const;
-  void Read(const Json* json, const std::string& field, ListOrNull& list) const;
   void Read(const Json* json, const std::string& field, NamedTexts& texts) const;
+  void Read(const Json* json, const std::string& field, char& value) const
+  {
+    std::string letter;
+    this->Read(json, field, letter);
+    this->Check(letter.size() == 1, json, field, "one letter");
+    value = letter.front();
+  }
+  void Read(const Json* json, const std::string& field, double& value) const
+  {
+    this->Check(json && json->is_number(), json, field, "a number");
+    json->get_to(value);
+  }
+  void Read(const Json* json, const std::string& field, int& value) const
+  {
+    this->Check(json && json->is_number_integer(), json, field, "a whole number");
+    json->get_to(value);
+  }
+  void Read(const Json* json, const std::string& field, bool& value) const
+  {
+    this->Check(json && json->is_boolean(), json, field, "true or false");
+    json->get_to(value);
+  }
+  void Read(const Json* json, const std::string& field, OrNull<double>& number) const
+  {
+    this->Check(json && (json->is_null() || json->is_number()), json, field, "a number or null");
+    number.Value = json->is_null() ? std::numeric_limits<double>::quiet_NaN() : json->get<double>();
+  }
+  void Read(const Json* json, const std::string& field, OrNull<std::vector<double>>& list) const
+  {
+    this->Check(json && (json->is_null() || json->is_array()), json, field, "a list or null");
+    list.Value.clear();
+    if (!json->is_null())
+    {
+      this->Read(json, field, list.Value);
+    }
+  }
   template <typename T>
   void Read(const Json* json, const std::string& field, std::optional<T>& value) const
   {
@@ -382,29 +394,34 @@ private:
       this->Read(json, field, value.emplace());
     }
   }
+  template <HasFields T>
+  void Read(const Json* json, const std::string& field, T& value) const
+  {
+    this->Check(json && json->is_object(), json, field, "an object");
+    const FieldReader reader(*json, this->File, field + ".");
+    ListFields(reader, value);
+  }
   template <std::size_t Count>
   void Read(const Json* json, const std::string& field, std::array<double, Count>& values) const
   {
-    const std::string expected = std::to_string(Count) + " numbers";
-    this->Check(json && json->is_array() && json->size() == Count, json, field, expected.c_str());
-    for (std::size_t index = 0; index < Count; ++index)
-    {
-      this->Read(&(*json)[index], Element(field, index), values[index]);
-    }
+    this->Check(json && json->is_array() && json->size() == Count, json, field,
+      std::to_string(Count) + " numbers");
+    this->ReadElements(*json, field, values);
   }
   template <typename T>
   void Read(const Json* json, const std::string& field, std::vector<T>& values) const
   {
     this->Check(json && json->is_array(), json, field, "a list");
     values.resize(json->size());
+    this->ReadElements(*json, field, values);
+  }
+  template <typename List>
+  void ReadElements(const Json& json, const std::string& field, List& values) const
+  {
     for (std::size_t index = 0; index < values.size(); ++index)
     {
-      this->Read(&(*json)[index], Element(field, index), values[index]);
+      this->Read(&json[index], field + "[" + std::to_string(index) + "]", values[index]);
     }
-  }
-  static std::string Element(const std::string& field, std::size_t index)
-  {
-    return field + "[" + std::to_string(index) + "]";
   }
 
   const Json& Object;
