@@ -37,12 +37,12 @@ struct CompressArguments
 /// What is compressed, and what is simulated on.
 void DeclareMeshes(const OptionList& add, CompressionCase& input)
 {
-  AddMeshOption(add, input.Mesh)->required();
-  AddMaterialsOption(add, input.Materials)->required();
-  AddOrientationOption(add, input.Orientation);
-  AddLabelsOption(add, input.Labels.Path);
-  AddSimulationMeshOption(add, input.SimulationMesh);
-  AddSimulationCellSizeOption(add.Expert(), input.SimulationCellSizeMm);
+  add(Shared::Mesh, input.Mesh)->required();
+  add(Shared::Materials, input.Materials)->required();
+  add(Shared::Orientation, input.Orientation);
+  add(Shared::Labels, input.Labels.Path);
+  add(Shared::SimulationMesh, input.SimulationMesh);
+  add.Expert()(Shared::SimulationCellSize, input.SimulationCellSizeMm);
   add.Expert().Choice<ElementType>("--element", input.Loading.Element,
     { { "quadratic", ElementType::Quadratic }, { "linear", ElementType::PatchAveragedLinear } },
     "of the simulation: quadratic tetrahedra, or linear ones in patches\n(that share their volume; "
@@ -54,7 +54,7 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
 {
   CompressionCase& input = arguments.Case;
   CLI::Option* thickness =
-    AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.ThicknessMm);
+    add(Shared::Pose(PoseParameters[ThicknessParameter]), arguments.ThicknessMm);
   add("--force", input.ForceN, Positive("N"),
     "force of the paddle, in place of the thickness; 50 to 150 are usual")
     ->excludes(thickness);
@@ -245,6 +245,8 @@ void AddCompressCommand(CLI::App& application)
     "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
     "mesh, mm; the chest wall (fixed materials) does not move, unless the breast may glide along "
     "it.",
+    "compress --mesh breast.vtu --materials victre --orientation ALS --thickness 50 -o "
+    "compressed.vtu",
     Declare, Run);
 }
 }

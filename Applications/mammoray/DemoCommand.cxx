@@ -62,7 +62,7 @@ void Run(DemoArguments& arguments)
 void AddDemoCommand(CLI::App& application)
 {
   AddCommand<DemoArguments>(application, "demo",
-    "Register the shipped phantom to its mammogram, and print the error at known landmarks",
+    "Register the shipped phantom to its mammogram, and print the error at known landmarks", "demo",
     Declare, Run);
 }
 }

@@ -41,6 +41,6 @@ void Run(DevicesArguments&)
 void AddDevicesCommand(CLI::App& application)
 {
   AddCommand<DevicesArguments>(application, "devices",
-    "Vulkan devices of this machine, and the one that would be used.", Declare, Run);
+    "Vulkan devices of this machine, and the one that would be used.", "devices", Declare, Run);
 }
 }

@@ -28,7 +28,7 @@ struct DicomArguments
   std::string Result;
   std::string Mammogram;
   std::optional<char> Laterality;
-  DicomPatient Patient;
+  bool SamePatient = false;
   bool ForProcessing = false;
   std::optional<Vector3> Point;
   std::string Lesion;
@@ -38,13 +38,13 @@ struct DicomArguments
 
 void Declare(const OptionList& add, DicomArguments& arguments)
 {
-  AddResultOption(add, arguments.Result)->required();
+  add(Shared::Result, arguments.Result)->required();
   add.Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp)->required();
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
-  AddDicomPatientOptions(add, arguments.Patient, true);
+  AddSamePatientFlag(add.Group("DICOM"), arguments.SamePatient);
   const OptionList shown = add.Group("Of a folder");
-  AddPointOption(shown, arguments.Point);
-  AddLesionOption(shown, arguments.Lesion);
+  shown(Shared::Point, arguments.Point);
+  shown(Shared::Lesion, arguments.Lesion);
   shown.Input("--mri", arguments.Mri,
     "folder with the MRI's DICOM slices: adds it between the plates\n(in the frame of the label "
     "volume; and the registration that leads to it)");
@@ -54,7 +54,7 @@ void Declare(const OptionList& add, DicomArguments& arguments)
 }
 
 void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
-  const DicomIdentity& identity, const std::string& path)
+  const std::string& path)
 {
   Mammogram real = ReadMammogram(arguments.Mammogram);
   real.Laterality = arguments.Laterality.value_or(real.Laterality);
@@ -68,10 +68,9 @@ void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
                             : Mammogram::Intent::ForPresentation);
   NoteOtherMammogram(result, arguments.Mammogram);
   DicomMammogramOptions writing;
-  writing.Identity = identity;
   writing.Derivation = SyntheticDerivation(arguments.ForProcessing,
     "a compressed breast that was registered to a mammogram");
-  if (arguments.Patient.Same)
+  if (arguments.SamePatient)
   {
     writing.Imitated = ReadDicomReference(arguments.Mammogram);
     writing.Identity = writing.Imitated->Identity;
@@ -100,7 +99,7 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
   WriteAtomicFolder(arguments.Output,
     [&](const std::string& folder)
     {
-      WriteSynthetic(arguments, result, {}, folder + "/synthetic.dcm");
+      WriteSynthetic(arguments, result, folder + "/synthetic.dcm");
       WriteResultObjects(result, breast, objects, Program().Projector, folder, MakeProgressBar());
     });
   std::printf("wrote %s\n", arguments.Output.c_str());
@@ -118,7 +117,7 @@ void Run(DicomArguments& arguments)
   {
     throw InputError(arguments.Output + ": expected a folder for --point, --lesion and --mri");
   }
-  if (!alone && !arguments.Patient.Same)
+  if (!alone && !arguments.SamePatient)
   {
     throw InputError("output: expected --same-patient for a folder of objects, which refer to the "
                      "mammogram, or a file (.dcm) for the synthetic one alone");
@@ -128,12 +127,11 @@ void Run(DicomArguments& arguments)
   {
     CheckOutputFile(arguments.Output);
   }
-  const DicomIdentity identity = arguments.Patient.Identity();
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   if (alone)
   {
-    WriteSynthetic(arguments, result, identity, arguments.Output);
+    WriteSynthetic(arguments, result, arguments.Output);
     return;
   }
   if (arguments.Output.empty())
@@ -152,6 +150,6 @@ void AddDicomCommand(CLI::App& application)
     "point or a lesion is found (segmentation, presentation state, report) and the MRI between the "
     "plates. Nothing of the patient is taken from --mammogram, and no reference to it, unless "
     "--same-patient says so.",
-    Declare, Run);
+    "dicom --result result --mammogram mg.dcm -o synthetic.dcm", Declare, Run);
 }
 }

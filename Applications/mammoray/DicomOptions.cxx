@@ -20,21 +20,16 @@ DicomIdentity DicomPatient::Identity() const
   return identity;
 }
 
-void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven)
+void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient)
 {
   const OptionList dicom = add.Group("DICOM").Expert();
-  CLI::Option* name =
-    dicom("--patient-name", patient.Name, "patient's name in DICOM files (Family^Given)");
-  CLI::Option* id = dicom("--patient-id", patient.Id, "patient's ID in DICOM files");
-  if (mammogramGiven)
-  {
-    AddSamePatientFlag(add.Group("DICOM"), patient.Same)->excludes(name)->excludes(id);
-  }
+  dicom("--patient-name", patient.Name, "patient's name in DICOM files (Family^Given)");
+  dicom("--patient-id", patient.Id, "patient's ID in DICOM files");
 }
 
-CLI::Option* AddSamePatientFlag(const OptionList& add, bool& same)
+void AddSamePatientFlag(const OptionList& add, bool& same)
 {
-  return add.Flag("--same-patient", same,
+  add.Flag("--same-patient", same,
     "name the patient as the mammogram's header does\n(name, ID, birth date, accession number and "
     "study, as archives need to file new objects beside it); otherwise nothing of the patient is "
     "written but dates");

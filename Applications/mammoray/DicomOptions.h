@@ -11,20 +11,18 @@
 
 namespace mammoray
 {
-/// Whom a DICOM object is about, as the options say.
+/// Whom a DICOM object is about that refers to no other.
 struct DicomPatient
 {
   std::string Name;
   std::string Id;
-  /// Patient and study of the mammogram that is given.
-  bool Same = false;
 
   /// Name and ID, and a new study; throws InputError on texts that DICOM cannot hold.
   DicomIdentity Identity() const;
 };
 
-/// Adds --patient-name and --patient-id, and, where a mammogram is given, --same-patient.
-void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven);
+/// Adds --patient-name and --patient-id.
+void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient);
 
 /// Adds --side ('L' or 'R') and --for-processing of a synthetic mammogram.
 void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,
@@ -34,8 +32,8 @@ void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterali
 inline constexpr const char* RegisteredMammogramHelp =
   "the mammogram that was registered (DICOM MG), which objects refer to";
 
-/// Adds --same-patient; gives the option.
-CLI::Option* AddSamePatientFlag(const OptionList& add, bool& same);
+/// Adds --same-patient: patient and study of the mammogram.
+void AddSamePatientFlag(const OptionList& add, bool& same);
 
 /// True for the extension .dcm.
 bool IsDicomPath(const std::string& path);

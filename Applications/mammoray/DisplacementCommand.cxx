@@ -24,7 +24,7 @@ struct DisplacementArguments
 
 void Declare(const OptionList& add, DisplacementArguments& arguments)
 {
-  AddResultOption(add, arguments.Result)->required();
+  add(Shared::Result, arguments.Result)->required();
   add.Choice("--direction", arguments.Direction,
     { { "compressed-to-volume", DisplacementDirection::CompressedToVolume },
       { "volume-to-compressed", DisplacementDirection::VolumeToCompressed } },
@@ -58,6 +58,6 @@ void AddDisplacementCommand(CLI::App& application)
 {
   AddCommand<DisplacementArguments>(application, "displacement",
     "Write the deformation as a displacement field for SimpleITK, elastix, ANTs or 3D Slicer",
-    Declare, Run);
+    "displacement --result result -o displacement.nrrd", Declare, Run);
 }
 }

@@ -32,7 +32,7 @@ struct EvaluateArguments
 
 void Declare(const OptionList& add, EvaluateArguments& arguments)
 {
-  AddResultOption(add, arguments.Result);
+  add(Shared::Result, arguments.Result);
   add.Input("--landmarks", arguments.Landmarks,
     "CSV with ux,uy,uz,cx,cy,cz and imaged, mm\n(uncompressed in the frame of the label volume, "
     "compressed in the frame of the truth; imaged is 0 or 1 and may be left out)");
@@ -175,6 +175,7 @@ void Run(EvaluateArguments& arguments)
 void AddEvaluateCommand(CLI::App& application)
 {
   AddCommand<EvaluateArguments>(application, "evaluate",
-    "Measure a registration's error at landmarks known before and after compression", Declare, Run);
+    "Measure a registration's error at landmarks known before and after compression",
+    "evaluate --result result --landmarks landmarks.csv", Declare, Run);
 }
 }

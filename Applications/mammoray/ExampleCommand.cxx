@@ -70,7 +70,7 @@ void Declare(const OptionList& add, ExampleArguments& arguments)
 {
   add("name", arguments.Name, "test, boxes, veins or breast")->required();
   add("-o,--output", arguments.Output, "folder for the three files, made if need be")->required();
-  AddSpectrumOption(add.Expert(), arguments.Spectrum);
+  add.Expert()(Shared::Spectrum, arguments.Spectrum);
 }
 
 void Run(ExampleArguments& arguments)
@@ -131,6 +131,6 @@ void AddExampleCommand(CLI::App& application)
     "pixels\n"
     "Writes NAME.vtp (mm, material on each triangle's front and back), NAME.mha (transmission, 0 "
     "to 1) and NAME.png (logarithmic attenuation, dense is bright).",
-    Declare, Run);
+    "example breast -o example", Declare, Run);
 }
 }

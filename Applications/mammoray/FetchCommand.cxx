@@ -62,6 +62,6 @@ void AddFetchCommand(CLI::App& application)
   AddCommand<FetchArguments>(application, "fetch",
     "Get studies by accession number from an archive (PACS) into a folder\nC-FIND and C-GET: all "
     "comes over the connection that is opened to the archive, no port is opened here.",
-    Declare, Run);
+    "fetch --pacs pacs.example.org:104 --accession A123 -o export", Declare, Run);
 }
 }

@@ -33,8 +33,8 @@ struct FuseArguments
 
 void Declare(const OptionList& add, FuseArguments& arguments)
 {
-  AddResultOption(add, arguments.Result)->required();
-  AddImageOption(add, arguments.Image)->required();
+  add(Shared::Result, arguments.Result)->required();
+  add(Shared::Image, arguments.Image)->required();
   add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
   add("-o,--output", arguments.Output,
     "the image in the compressed breast (.nrrd .mha .nii.gz), 0 outside");
@@ -106,6 +106,7 @@ void AddFuseCommand(CLI::App& application)
 {
   AddCommand<FuseArguments>(application, "fuse",
     "Resample an MRI into the registered, compressed breast and project it on the mammogram",
+    "fuse --result result --image t1-series/ -o compressed.nrrd --maximum-picture maximum.png",
     Declare, Run);
 }
 }

@@ -20,30 +20,6 @@ namespace
 constexpr std::size_t UsualWidth = 100;
 constexpr std::size_t LeastWidth = 50;
 
-/// One for each command, on files of one's own or, where it needs none, as it stands.
-constexpr std::pair<const char*, const char*> Examples[] = {
-  { "compress",
-    "compress --mesh breast.vtu --materials victre --orientation ALS --thickness 50 -o "
-    "compressed.vtu" },
-  { "demo", "demo" },
-  { "devices", "devices" },
-  { "dicom", "dicom --result result --mammogram mg.dcm -o synthetic.dcm" },
-  { "displacement", "displacement --result result -o displacement.nrrd" },
-  { "evaluate", "evaluate --result result --landmarks landmarks.csv" },
-  { "example", "example breast -o example" },
-  { "fetch", "fetch --pacs pacs.example.org:104 --accession A123 -o export" },
-  { "fuse",
-    "fuse --result result --image t1-series/ -o compressed.nrrd --maximum-picture maximum.png" },
-  { "intake", "intake export/ --side left" },
-  { "locate", "locate --result result --point 30 12 -10" },
-  { "mesh", "mesh --labels labels.nrrd --materials victre --label-spacing 0.5 -o breast.vtu" },
-  { "project", "project --mesh breast.vtu --materials victre --orientation ALS -o breast.mha" },
-  { "register", "register --study export/ --side left -o result" },
-  { "segment", "segment --image t1-series/ -o labels.nii.gz --picture labels.png" },
-  { "send", "send --result result --pacs pacs.example.org:104" },
-  { "view", "view --result result" },
-};
-
 std::size_t TerminalWidth()
 {
   winsize size{};
@@ -134,54 +110,33 @@ public:
 private:
   std::string CommandHelp(const Command& command, const std::string& name, bool all) const
   {
-    std::string text = this->make_description(&command) + this->make_usage(&command, name);
-    std::vector<std::string> headings;
+    std::vector<std::pair<std::string, std::string>> sections;
+    std::size_t experts = 0;
+    std::size_t settings = 0;
     for (const Declaration& declaration : command.Declarations)
     {
-      const std::string& heading = declaration.Option->get_group();
-      if (IsShown(declaration, all) &&
-        std::find(headings.begin(), headings.end(), heading) == headings.end())
+      experts += declaration.Where == Shown::InHelpAll && !all ? 1 : 0;
+      settings += declaration.Where == Shown::InCaseFile ? 1 : 0;
+      if (declaration.Where == Shown::InHelp || (declaration.Where == Shown::InHelpAll && all))
       {
-        headings.push_back(heading);
+        const std::string& heading = declaration.Option->get_group();
+        auto section = std::find_if(sections.begin(), sections.end(),
+          [&heading](const auto& known) { return known.first == heading; });
+        section = section != sections.end() ? section : sections.insert(section, { heading, "" });
+        section->second += Entry(declaration, all);
       }
     }
-    for (const std::string& heading : headings)
+    std::string text = this->make_description(&command) + this->make_usage(&command, name);
+    for (const auto& [heading, entries] : sections)
     {
-      text += "\n" + heading + ":\n";
-      for (const Declaration& declaration : command.Declarations)
-      {
-        text += IsShown(declaration, all) && declaration.Option->get_group() == heading
-          ? Entry(declaration, all)
-          : "";
-      }
+      text += "\n" + heading + ":\n" + entries;
     }
-    return text + "\n" + MoreOptions(command, all) + this->make_footer(&command);
-  }
-
-  static bool IsShown(const Declaration& declaration, bool all)
-  {
-    return declaration.Where == Shown::InHelp || (all && declaration.Where == Shown::InHelpAll);
-  }
-
-  /// Says where the options are that are not listed.
-  static std::string MoreOptions(const Command& command, bool all)
-  {
-    const auto count = [&command](Shown where)
-    {
-      return std::to_string(std::count_if(command.Declarations.begin(), command.Declarations.end(),
-        [where](const Declaration& each) { return each.Where == where; }));
-    };
-    std::string text;
-    if (!all && count(Shown::InHelpAll) != "0")
-    {
-      text += "--help-all lists " + count(Shown::InHelpAll) + " more options.";
-    }
-    if (count(Shown::InCaseFile) != "0")
-    {
-      text += (text.empty() ? "" : " ") + std::string("The case file (--config) has ") +
-        count(Shown::InCaseFile) + " further settings.";
-    }
-    return text.empty() ? text : text + "\n";
+    text += "\n";
+    text += experts > 0 ? "--help-all lists " + std::to_string(experts) + " more options.\n" : "";
+    text += settings > 0
+      ? "The case file (--config) has " + std::to_string(settings) + " further settings.\n"
+      : "";
+    return text + this->make_footer(&command);
   }
 };
 
@@ -293,13 +248,6 @@ void SetUpHelp(CLI::App& application)
   for (CLI::App* command : application.get_subcommands({}))
   {
     command->formatter(formatter);
-    for (const auto& [name, example] : Examples)
-    {
-      if (command->get_name() == name)
-      {
-        command->footer(std::string("Example: mammoray ") + example);
-      }
-    }
   }
 }
 }

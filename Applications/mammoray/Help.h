@@ -13,8 +13,8 @@ class App;
 
 namespace mammoray
 {
-/// Gives every command its example and help that is as wide as the terminal (elsewhere as COLUMNS
-/// says, else 100). Call it after the commands are added.
+/// Gives every command help that is as wide as the terminal (elsewhere as COLUMNS says, else 100).
+/// Call it after the commands are added.
 void SetUpHelp(CLI::App& application);
 
 /// Lines that are longer than `width` are broken between words and go on below where they began, or

@@ -58,6 +58,6 @@ void AddIntakeCommand(CLI::App& application)
     "it and why:\nT1-weighted series before contrast, without and with fat suppression, and CC and "
     "MLO of one side.\nExit code 1 with one line where that cannot be registered: no MRI, no "
     "mammogram of the side, two patients.",
-    Declare, Run);
+    "intake export/ --side left", Declare, Run);
 }
 }

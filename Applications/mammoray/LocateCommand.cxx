@@ -37,20 +37,20 @@ struct LocateArguments
   std::string View;
   std::string Lesion;
   std::string Mammogram;
-  DicomPatient Patient;
+  bool SamePatient = false;
   std::string Output;
 };
 
 void Declare(const OptionList& add, LocateArguments& arguments)
 {
-  AddResultOption(add, arguments.Result)->required();
+  add(Shared::Result, arguments.Result)->required();
   add("--view", arguments.View,
     "name of a mammogram's folder, such as mlo, where there are several\n(--point without it gives "
     "all)");
   const OptionList place = add.OneOf("What to find, one of");
-  AddPointOption(place, arguments.Point);
-  AddPixelOption(place, arguments.Pixel);
-  AddLesionOption(place, arguments.Lesion);
+  place(Shared::Point, arguments.Point);
+  place(Shared::Pixel, arguments.Pixel);
+  place(Shared::Lesion, arguments.Lesion);
   add("--also", arguments.Also,
     "VIEW=COLUMN,ROW: where another mammogram shows what --pixel does\n(mlo=640,710: gives the one "
     "place in the volume that is behind both)");
@@ -59,7 +59,7 @@ void Declare(const OptionList& add, LocateArguments& arguments)
     "material, and column, row and sigma_mm in each of the other mammograms; "
     "label,polygon,column,row; a DICOM segmentation)");
   add.Group("DICOM").Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp);
-  AddDicomPatientOptions(add, arguments.Patient, true);
+  AddSamePatientFlag(add.Group("DICOM"), arguments.SamePatient);
 }
 
 void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
@@ -270,7 +270,7 @@ void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const Dico
   const LocateArguments& arguments)
 {
   // The study tells viewers what belongs together; it names nobody.
-  DicomIdentity identity = arguments.Patient.Identity();
+  DicomIdentity identity;
   identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
   std::vector<DicomSegment> segments;
   segments.reserve(lesions.size());
@@ -278,7 +278,7 @@ void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const Dico
   {
     segments.push_back({ "Lesion " + std::to_string(label), std::move(lesion.Shadow) });
   }
-  WriteSegmentation(segments, image, arguments.Patient.Same ? image.Identity : identity,
+  WriteSegmentation(segments, image, arguments.SamePatient ? image.Identity : identity,
     arguments.Output);
 }
 
@@ -324,7 +324,7 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   }
 }
 
-/// What a DICOM file needs, and that the options can be written.
+/// What a DICOM file needs.
 void CheckDicomOptions(const LocateArguments& arguments)
 {
   if (!IsDicomPath(arguments.Output))
@@ -337,7 +337,6 @@ void CheckDicomOptions(const LocateArguments& arguments)
       ": expected --lesion and --mammogram for a DICOM segmentation, found " +
       (arguments.Lesion.empty() ? "no --lesion" : "no --mammogram"));
   }
-  arguments.Patient.Identity();
 }
 
 /// In the view that was asked for, or in all.
@@ -422,6 +421,6 @@ void AddLocateCommand(CLI::App& application)
 {
   AddCommand<LocateArguments>(application, "locate",
     "Find a point or a lesion of the volume in the mammogram, or what lies behind a pixel of it",
-    Declare, Run);
+    "locate --result result --point 30 12 -10", Declare, Run);
 }
 }

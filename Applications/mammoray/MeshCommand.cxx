@@ -48,13 +48,13 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
 {
   MeshCase& input = arguments.Case;
   AddLabelOptions(add, input.Labels);
-  CLI::Option* surface = AddSurfaceOption(add, arguments.Surfaces);
+  CLI::Option* surface = add(Shared::Surface, arguments.Surfaces);
   add("--surface-voxels", input.SurfaceVoxelsMm, Positive("mm"),
     "for surfaces that cut each other: mesh cubic voxels labelled by them\n(overlapping pieces of "
     "a "
     "material become one)")
     ->needs(surface);
-  AddMaterialsOption(add, input.Materials);
+  add(Shared::Materials, input.Materials);
   add.Choice<MeshCase::Method>("--method", input.Filling,
     { { "cgal", MeshCase::Method::Cgal }, { "tetgen", MeshCase::Method::TetGen } },
     "CGAL straight from labels, or TetGen in surfaces");
@@ -85,7 +85,7 @@ void DeclareOfMaterial(const OptionList& add, const char* name, std::vector<std:
 void DeclareSizes(const OptionList& add, MeshArguments& arguments)
 {
   MeshingOptions& options = arguments.Case.Options;
-  AddLabelSpacingOption(add, arguments.Case.Labels.SpacingMm);
+  add(Shared::LabelSpacing, arguments.Case.Labels.SpacingMm);
   arguments.CellSize =
     add("--cell-size", options.CellSizeMm, "mm", "largest circumradius of tetrahedra");
   add("--facet-size", options.FacetSizeMm, "mm", "largest surface ball of facets");
@@ -361,17 +361,12 @@ void AddMeshCommand(CLI::App& application)
   AddCommand<MeshArguments>(application, "mesh",
     "Tetrahedra with a material each from a segmented volume or from closed surfaces.\nPoints are "
     "mm in the volume's frame (DICOM LPS where the file says so).",
-    Declare, Run);
+    "mesh --labels labels.nrrd --materials victre --label-spacing 0.5 -o breast.vtu", Declare, Run);
 }
 #else
 void AddMeshCommand(CLI::App& application)
 {
-  CLI::App* command = application.add_subcommand("mesh", "Not in this build (no Meshing module).");
-  command->allow_extras();
-  command->callback(
-    [] {
-      throw InputError("mesh: this build has no Meshing module (MAMMORAY_BUILD_MESHING was OFF)");
-    });
+  AddMissingCommand(application, "mesh", "Meshing module (MAMMORAY_BUILD_MESHING was OFF)");
 }
 #endif
 }

@@ -189,6 +189,13 @@ CLI::Validator FileOrFolder()
     "");
 }
 
+void AddMissingCommand(CLI::App& application, const std::string& name, const std::string& module)
+{
+  CLI::App* command = application.add_subcommand(name, "Not in this build: no " + module);
+  command->allow_extras();
+  command->callback([=] { throw InputError(name + ": this build has no " + module); });
+}
+
 std::pair<std::string, std::string> SplitAssignment(const std::string& text,
   const std::string& option, const std::string& form)
 {

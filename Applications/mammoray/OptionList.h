@@ -90,6 +90,15 @@ struct Declaration
   nlohmann::ordered_json Default() const;
 };
 
+/// An option of several commands. `Numbers` is its unit and range, or what help shows in place of a
+/// type: "X Y Z" of three numbers, InputTypeName of what is read.
+struct SharedOption
+{
+  std::string Name;
+  std::string Help;
+  Quantity Numbers = "";
+};
+
 /// A sub-command with what was declared of its options.
 class Command : public CLI::App
 {
@@ -194,6 +203,21 @@ public:
       option->check(NumberIn<Value>(quantity));
     }
     return this->Keep({ option, this->Where, KindOf<Value>(), quantity });
+  }
+
+  template <typename T>
+  CLI::Option* operator()(const SharedOption& option, T& value) const
+  {
+    if constexpr (requires { std::tuple_size<typename Unwrapped<T>::Type>::value; })
+    {
+      return this->Numbers(option.Name, value, option.Numbers.Unit.c_str(), option.Help);
+    }
+    else
+    {
+      return option.Numbers.Unit == InputTypeName
+        ? this->Input(option.Name, value, option.Help)
+        : (*this)(option.Name, value, option.Numbers, option.Help);
+    }
   }
 
   /// Files or folders that are read, one or a list, or names of shipped ones: a configuration file
@@ -338,12 +362,15 @@ private:
 };
 
 /// Adds a sub-command that is declared by `declare` and run by `run` with what was given.
+/// `example`: words of a call, on files of one's own or, where it needs none, as it stands.
 template <typename Arguments>
 Command* AddCommand(CLI::App& application, const std::string& name, const std::string& description,
-  void (*declare)(const OptionList& add, Arguments& arguments), void (*run)(Arguments& arguments))
+  const std::string& example, void (*declare)(const OptionList& add, Arguments& arguments),
+  void (*run)(Arguments& arguments))
 {
   const auto command = std::make_shared<Command>(application, name, description);
   application.add_subcommand(command);
+  command->footer("Example: mammoray " + example);
   auto arguments = std::make_shared<Arguments>();
   declare(OptionList(*command), *arguments);
   AddProgramOptions(*command);
@@ -355,6 +382,9 @@ Command* AddCommand(CLI::App& application, const std::string& name, const std::s
     });
   return command.get();
 }
+
+/// Adds a sub-command that this build does not have for want of a module, which it says.
+void AddMissingCommand(CLI::App& application, const std::string& name, const std::string& module);
 
 /**
  * NAME=VALUE in two. Throws InputError, which names the option and its form ("MATERIAL=MM, for

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "OptionNames.h"
 
+#include "mammoray/Foundation/Error.h"
+
 #include <cctype>
+#include <filesystem>
+#include <new>
 #include <utility>
 
 namespace mammoray
@@ -36,6 +40,23 @@ void ReplaceWord(std::string& text, const std::string& word, const std::string& 
     place += isWhole ? by.size() : word.size();
   }
 }
+
+/// The error's message, with options in place of the fields that it names.
+std::string InOptions(const InputError& error)
+{
+  std::string text = error.what();
+  std::vector<std::string> fields = error.Field().Remedies;
+  fields.push_back(error.Field().Name);
+  for (const std::string& field : fields)
+  {
+    // Keys of JSON files are not those of options.
+    if (!field.empty() && std::isupper(static_cast<unsigned char>(field.front())))
+    {
+      ReplaceWord(text, field, OptionOfField(field));
+    }
+  }
+  return text;
+}
 }
 
 std::string OptionOfField(const std::string& field)
@@ -65,19 +86,19 @@ std::string OptionOfField(const std::string& field)
   return option;
 }
 
-std::string InOptions(const InputError& error)
+std::string Complaint(const std::exception& error)
 {
-  std::string text = error.what();
-  std::vector<std::string> fields = error.Field().Remedies;
-  fields.push_back(error.Field().Name);
-  for (const std::string& field : fields)
+  if (dynamic_cast<const std::bad_alloc*>(&error))
   {
-    // Keys of JSON files are not those of options.
-    if (!field.empty() && std::isupper(static_cast<unsigned char>(field.front())))
-    {
-      ReplaceWord(text, field, OptionOfField(field));
-    }
+    return "out of memory";
   }
-  return text;
+  if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+  {
+    // As of a name that is too long.
+    return EscapeControls(file->path1().string()) + ": cannot be looked for (" +
+      file->code().message() + ")";
+  }
+  const auto* input = dynamic_cast<const InputError*>(&error);
+  return input ? InOptions(*input) : EscapeControls(error.what());
 }
 }

@@ -2,8 +2,7 @@
 #ifndef mammoray_OptionNames_h
 #define mammoray_OptionNames_h
 
-#include "mammoray/Foundation/Error.h"
-
+#include <exception>
 #include <string>
 
 namespace mammoray
@@ -11,8 +10,9 @@ namespace mammoray
 /// The option that sets a field: "--pixel-spacing" of "PixelSpacingMm".
 std::string OptionOfField(const std::string& field);
 
-/// The error's message, with options in place of the fields that it names.
-std::string InOptions(const InputError& error);
+/// What went wrong, in one line for people. Options stand in place of the fields that an InputError
+/// names.
+std::string Complaint(const std::exception& error);
 }
 
 #endif

@@ -546,6 +546,7 @@ void AddProjectCommand(CLI::App& application)
     "source; "
     "columns run along +y, rows along -x (of a right breast's .dcm against them, as it is hung). "
     "Explicit positions replace that.",
-    DeclareProject, Run);
+    "project --mesh breast.vtu --materials victre --orientation ALS -o breast.mha", DeclareProject,
+    Run);
 }
 }

@@ -12,11 +12,11 @@ namespace
 /// What is X-rayed, with what, and what is written.
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
-  AddMeshOption(add, arguments.Scene.Mesh);
-  AddSurfaceOption(add, arguments.Surfaces);
-  AddSceneOption(add, arguments.SceneFile);
-  AddMaterialsOption(add, arguments.Scene.Materials);
-  AddOrientationOption(add, arguments.Orientation);
+  add(Shared::Mesh, arguments.Scene.Mesh);
+  add(Shared::Surface, arguments.Surfaces);
+  add(Shared::Scene, arguments.SceneFile);
+  add(Shared::Materials, arguments.Scene.Materials);
+  add(Shared::Orientation, arguments.Orientation);
   add("-o,--output", arguments.Output,
     "picture (.mha .nrrd .tif .png .vti) or mammogram (.dcm)\n(transmission, 0 to 1; .vti holds "
     "path "
@@ -44,12 +44,11 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 {
   const OptionList geometry = add.Group("Geometry");
-  AddPoseOption(geometry, PoseParameters[ThicknessParameter], arguments.Pose.ThicknessMm);
+  geometry(Shared::Pose(PoseParameters[ThicknessParameter]), arguments.Pose.ThicknessMm);
   const OptionList expert = geometry.Expert();
   AddPoseOptions(expert, arguments.Pose);
-  expert("--source-to-detector", arguments.Unit.SourceToDetectorMm, Positive("mm"),
-    SourceToDetectorHelp);
-  expert("--support-height", arguments.Unit.SupportHeightMm, NonNegative("mm"), SupportHeightHelp);
+  expert(Shared::SourceToDetector, arguments.Unit.SourceToDetectorMm);
+  expert(Shared::SupportHeight, arguments.Unit.SupportHeightMm);
   expert.Numbers("--anchor", arguments.Anchor, "X Y Z",
     "point the pose refers to; default: middle of the mesh at the chest wall");
   expert.Numbers("--source", arguments.Source, "X Y Z",
@@ -83,7 +82,7 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "evened out, details raised, sigmoid; a .dcm is For Presentation)");
   unit("--columns", detector.Columns, Between(1, 65535), "pixels per row");
   unit("--rows", detector.Rows, Between(1, 65535), "pixels per column");
-  unit("--pixel-spacing", arguments.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
+  unit(Shared::PixelSpacing, arguments.PixelSpacingMm);
   unit("--photons", detection.PhotonsPerPixel, Between(0, 1e12),
     "of a pixel without the object; adds quantum noise, 0 none");
   const OptionList expert = unit.Expert();
@@ -176,7 +175,7 @@ void DeclareProject(const OptionList& add, ProjectArguments& arguments)
   DeclareDualEnergy(add, arguments.DualEnergy);
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
   AddViewOption(add.Group("DICOM"), arguments.View);
-  AddDicomPatientOptions(add, arguments.Patient, false);
+  AddDicomPatientOptions(add, arguments.Patient);
 }
 
 bool ProjectArguments::IsPlacedByUnit() const

@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <new>
 
 namespace mammoray
 {
@@ -46,11 +45,11 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
     "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it)");
   AddSideOption(add, arguments.Side);
   AddLabelOptions(add, input.Labels)->excludes(study);
-  AddMaterialsOption(add, input.Materials);
-  AddOrientationOption(add, input.Orientation);
-  AddMammogramsOption(add, input.Mammograms)->excludes(study);
+  add(Shared::Materials, input.Materials);
+  add(Shared::Orientation, input.Orientation);
+  add(Shared::Mammograms, input.Mammograms)->excludes(study);
   AddViewOption(add, input.MammogramViews);
-  add("--pixel-spacing", input.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
+  add(Shared::PixelSpacing, input.PixelSpacingMm);
   add.Input("--mask", input.Masks, "pictures (.png .mha), not 0 where a mammogram is not compared");
   const OptionList file = add.Group("Mammogram").CaseFile();
   file.FlagOff("--compare-pectoral", input.Targets.ExcludePectoral,
@@ -66,9 +65,9 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 void DeclareReport(const OptionList& add, RegistrationCase& input)
 {
   const OptionList report = add.Group("Report");
-  AddPointOption(report, input.Point);
-  AddLesionOption(report, input.Lesions);
-  AddImageOption(report, input.Image);
+  report(Shared::Point, input.Point);
+  report(Shared::Lesion, input.Lesions);
+  report(Shared::Image, input.Image);
   AddSamePatientFlag(report, input.NamePatient);
   report.Expert().Flag("--name-inputs", input.NameInputs,
     "write the names of input files and series, which may hold a patient's name");
@@ -77,19 +76,19 @@ void DeclareReport(const OptionList& add, RegistrationCase& input)
 void DeclareMeshes(const OptionList& add, RegistrationCase& input)
 {
   const OptionList meshes = add.Group("Meshes").Expert();
-  AddLabelSpacingOption(meshes, input.Labels.SpacingMm);
+  meshes(Shared::LabelSpacing, input.Labels.SpacingMm);
   meshes("--anatomy-cell-size", input.AnatomyCellSizeMm, Positive("mm"), "largest cells X-rayed");
   meshes.Input("--anatomy-mesh", input.AnatomyMesh,
     "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels");
-  AddSimulationMeshOption(meshes, input.SimulationMesh);
-  AddSimulationCellSizeOption(meshes, input.SimulationCellSizeMm);
+  meshes(Shared::SimulationMesh, input.SimulationMesh);
+  meshes(Shared::SimulationCellSize, input.SimulationCellSizeMm);
 }
 
 void DeclareUnit(const OptionList& add, RegistrationCase& input)
 {
   const OptionList unit = add.Group("Unit").Expert();
-  unit("--source-to-detector", input.SourceToDetectorMm, "mm", SourceToDetectorHelp);
-  unit("--support-height", input.SupportHeightMm, "mm", SupportHeightHelp);
+  unit(Shared::SourceToDetector, input.SourceToDetectorMm);
+  unit(Shared::SupportHeight, input.SupportHeightMm);
 }
 
 /// An option for each parameter of the pose: where the search starts, and what is kept if it is not
@@ -99,8 +98,8 @@ void DeclareStart(const OptionList& add, RegistrationCase& input)
   const OptionList start = add.Group("Start of the search, kept by what is not --free");
   for (const PoseParameter& parameter : PoseParameters)
   {
-    AddPoseOption(parameter.Index == ThicknessParameter ? start : start.Expert(), parameter,
-      input.Start[parameter.Index]);
+    const OptionList list = parameter.Index == ThicknessParameter ? start : start.Expert();
+    list(Shared::Pose(parameter), input.Start[parameter.Index]);
   }
 }
 
@@ -158,7 +157,7 @@ void DeclareLoading(const OptionList& add, RegisterArguments& arguments)
 void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
 {
   const OptionList xrays = add.Group("X-rays").Expert();
-  AddSpectrumOption(xrays, arguments.Case.Spectrum);
+  xrays(Shared::Spectrum, arguments.Case.Spectrum);
   xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
     "the synthetic mammogram has what tissue scatters onto the detector\n(by kernels that are "
     "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
@@ -274,50 +273,31 @@ void PrintTissue(const StudyTissue& tissue)
   }
 }
 
-/// Searches and writes the result. Where the device fails, memory ends or the result cannot be
-/// written, what was found so far is in the checkpoint, and is told of.
+/// Searches and writes the result. If that fails after the search has begun (the device, memory or
+/// the disk), the error says that the checkpoint has what was found so far.
 RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
 {
-  const auto kept = [&arguments](const std::string& message)
-  {
-    return message + "; the search is kept: --resume " + arguments.Output + " goes on from " +
-      arguments.Case.Checkpoint;
-  };
-  const auto written = [&arguments]
+  const RegistrationCase& input = arguments.Case;
+  const auto written = [&input]
   {
     std::error_code absent; // answered by the earliest time
-    return std::filesystem::last_write_time(arguments.Case.Checkpoint, absent);
+    return std::filesystem::last_write_time(input.Checkpoint, absent);
   };
-  const auto isKept = [&, before = written()] { return written() > before; };
+  const auto before = written();
   try
   {
-    RegistrationCaseResult result = RunRegistrationCase(arguments.Case, MakeProgressBar());
-    WriteRegistrationCase(arguments.Case, result, arguments.Output, Program().Overwrite);
+    RegistrationCaseResult result = RunRegistrationCase(input, MakeProgressBar());
+    WriteRegistrationCase(input, result, arguments.Output, Program().Overwrite);
     return result;
   }
-  catch (const InputError& error)
+  catch (const std::exception& error)
   {
-    if (!isKept())
+    if (written() <= before)
     {
       throw;
     }
-    throw InputError(kept(InOptions(error)));
-  }
-  catch (const DeviceError& error)
-  {
-    if (!isKept())
-    {
-      throw;
-    }
-    throw DeviceError(kept(error.what()), error.ResultName());
-  }
-  catch (const std::bad_alloc&)
-  {
-    if (!isKept())
-    {
-      throw;
-    }
-    throw Error(kept("out of memory"));
+    throw Error(Complaint(error) + "; the search is kept: --resume " + arguments.Output +
+      " goes on from " + input.Checkpoint);
   }
 }
 
@@ -391,6 +371,7 @@ void Run(RegisterArguments& arguments)
 void AddRegisterCommand(CLI::App& application)
 {
   AddCommand<RegisterArguments>(application, "register",
-    "Find the compression and pose whose synthetic mammogram matches a mammogram", Declare, Run);
+    "Find the compression and pose whose synthetic mammogram matches a mammogram",
+    "register --study export/ --side left -o result", Declare, Run);
 }
 }

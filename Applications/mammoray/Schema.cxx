@@ -54,7 +54,8 @@ Json SettingSchema(const Declaration& declaration)
   const CLI::Option& option = *declaration.Option;
   const char* const shown[] = { "--help", "--help-all", "case file" };
   Json schema = ValueSchema(declaration);
-  const std::string& unit = declaration.Numbers.Unit;
+  const std::string unit =
+    declaration.Kind == std::string("string") ? "" : declaration.Numbers.Unit;
   schema["description"] = declaration.Help() + (unit.empty() ? "" : " [" + unit + "]");
   if (const Json standard = declaration.Default(); !standard.is_null())
   {

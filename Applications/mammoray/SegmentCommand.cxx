@@ -35,7 +35,7 @@ struct SegmentArguments
 void Declare(const OptionList& add, SegmentArguments& arguments)
 {
   SegmentationOptions& options = arguments.Options;
-  AddImageOption(add, arguments.Image)->required();
+  add(Shared::Image, arguments.Image)->required();
   add.Input("--suppressed-image", arguments.Suppressed,
     "the MRI of the same session with fat suppression, beside a plain --image\n(chest wall and "
     "gland are found from both)");
@@ -43,7 +43,7 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
     ->required();
   add("--picture", arguments.Picture, "draw slices of the MRI with the labels' outlines (.png)");
-  AddOrientationOption(add, arguments.Orientation);
+  add(Shared::Orientation, arguments.Orientation);
   add.Choice<BreastSide>("--side", options.Side,
     { { "both", BreastSide::Both }, { "left", BreastSide::Left }, { "right", BreastSide::Right } },
     "the patient's own, cut in the valley between");
@@ -51,7 +51,7 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     { { "auto", FatContrast::Auto }, { "fat-bright", FatContrast::FatBright },
       { "fat-dark", FatContrast::FatDark } },
     "fat is bright (plain T1) or dark\n(suppressed: SPAIR, SPIR, Dixon water); auto finds out");
-  add("--label-spacing", options.SpacingMm, "mm", LabelSpacingHelp);
+  add(Shared::LabelSpacing, options.SpacingMm);
   const OptionList file = add.CaseFile();
   file("--skin-thickness", options.SkinThicknessMm, "mm",
     "layer below the air that becomes skin, at least a voxel; 0: none");
@@ -130,20 +130,14 @@ void AddSegmentCommand(CLI::App& application)
     "A first label volume from a T1-weighted breast MRI: prone, with or without fat "
     "suppression.\nLabels: 0 air, 1 fat, 2 gland, 3 skin, 4 chest wall; the material table "
     "'segment' goes with them.\nLook at --picture before you use it.",
-    Declare, Run);
+    "segment --image t1-series/ -o labels.nii.gz --picture labels.png", Declare, Run);
 }
 #else
 void AddSegmentCommand(CLI::App& application)
 {
-  CLI::App* command =
-    application.add_subcommand("segment", "Not in this build (no Segmentation module).");
-  command->allow_extras();
-  command->callback(
-    []
-    {
-      throw InputError("segment: this build has no Segmentation module (ITK 5 was not found, or "
-                       "MAMMORAY_BUILD_SEGMENTATION was OFF)");
-    });
+  AddMissingCommand(application, "segment",
+    "Segmentation module (ITK 5 was not found, or "
+    "MAMMORAY_BUILD_SEGMENTATION was OFF)");
 }
 #endif
 }

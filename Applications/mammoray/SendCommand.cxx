@@ -28,7 +28,7 @@ struct SendArguments
 void Declare(const OptionList& add, SendArguments& arguments)
 {
   const OptionList what = add.OneOf("What to send, one of");
-  AddResultOption(what, arguments.Result);
+  what(Shared::Result, arguments.Result);
   what.Input("--files", arguments.Files, "DICOM files, and folders of them");
   const OptionList where = add.OneOf("Where to, one of");
   AddPacsOption(where, arguments.Pacs);
@@ -94,6 +94,6 @@ void AddSendCommand(CLI::App& application)
   AddCommand<SendArguments>(application, "send",
     "Store DICOM objects of a registration in an archive (PACS)\nby C-STORE or DICOMweb. Only what "
     "is named is sent, and only there.",
-    Declare, Run);
+    "send --result result --pacs pacs.example.org:104", Declare, Run);
 }
 }

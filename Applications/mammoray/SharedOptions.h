@@ -1,94 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options that mean the same in several commands, declared once.
+// Options that mean the same in several commands, declared once: add(Shared::Mesh, path).
 #ifndef mammoray_SharedOptions_h
 #define mammoray_SharedOptions_h
 
 #include "OptionList.h"
 #include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Study/LabelSource.h"
 
-#include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace mammoray
 {
-/// Adds --labels, --crop, --skin and --cut-side; gives the option --labels.
-CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
-
-/// Adds --labels alone.
-CLI::Option* AddLabelsOption(const OptionList& add, std::string& path);
-
-/// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.
-CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName);
-
-/// Adds --orientation: directions of the axes of the input (AnatomicalAxes::FromCode).
-CLI::Option* AddOrientationOption(const OptionList& add, std::string& code);
-
-/// Adds --spectrum: a file or a shipped one's name.
-CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName);
-
-/// Adds --result: the folder of a registration; gives the option.
-CLI::Option* AddResultOption(const OptionList& add, std::string& folder);
-
-/// Unit and range of a parameter of the pose.
-Quantity QuantityOf(const PoseParameter& parameter);
-
-/// Adds the option of a parameter of the pose, such as --roll; `T` as in OptionList.
-template <typename T>
-CLI::Option* AddPoseOption(const OptionList& add, const PoseParameter& parameter, T& value)
+namespace Shared
 {
-  return add(std::string("--") + parameter.Name, value, QuantityOf(parameter), parameter.Help);
+/// A number, and two or three of them.
+inline const SharedOption Energy{ "--kev", "a single photon energy instead of a spectrum",
+  Positive("keV") };
+inline const SharedOption LabelSpacing{ "--label-spacing",
+  "cubic voxels of the labels; 0 keeps those of the input", NonNegative("mm") };
+inline const SharedOption PixelSpacing{ "--pixel-spacing",
+  "distance of the picture's pixels at the receptor", Positive("mm") };
+inline const SharedOption SimulationCellSize{ "--simulation-cell-size",
+  "largest cells of the simulation mesh that is made\n(0: by the size of the breast, 3000 to 6000 "
+  "cells)",
+  NonNegative("mm") };
+inline const SharedOption SourceToDetector{ "--source-to-detector", "source to receptor plane",
+  Positive("mm") };
+inline const SharedOption SupportHeight{ "--support-height", "breast support above the receptor",
+  NonNegative("mm") };
+inline const SharedOption Pixel{ "--pixel",
+  "a pixel of the mammogram: what lies along its X-ray\n(from 0 at the centre of the first pixel)",
+  "COLUMN ROW" };
+inline const SharedOption Point{ "--point", "a place in the frame of the label volume, mm",
+  "X Y Z" };
+
+/// Files and folders, or names of shipped ones.
+inline const SharedOption Image{ "--image",
+  "MRI (.nrrd .mha .nii.gz, DICOM series)\n(also .nhdr .mhd .nii; in the frame of the labels, "
+  "where "
+  "there are some)",
+  InputTypeName };
+inline const SharedOption Labels{ "--labels",
+  "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; the "
+  "labels of a segmentation are its segment numbers)",
+  InputTypeName };
+inline const SharedOption Lesion{ "--lesion",
+  "label volume of lesions, same frame (.nrrd .mha .nii.gz, DICOM SEG)", InputTypeName };
+inline const SharedOption Mammograms{ "--mammogram",
+  "mammogram (DICOM MG), once for each view of the same breast\n(CC and MLO are registered "
+  "together, with one stiffness of gland; of a tomosynthesis, Breast Projection X-Ray Image, all "
+  "projections against one compression)",
+  InputTypeName };
+inline const SharedOption Materials{ "--materials",
+  "material table: .json or a shipped one's name (victre, segment, ...)", InputTypeName };
+inline const SharedOption Mesh{ "--mesh",
+  "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, or one "
+  "material; those of --materials)",
+  InputTypeName };
+inline const SharedOption Result{ "--result", "folder written by 'mammoray register'",
+  InputTypeName };
+inline const SharedOption Scene{ "--scene",
+  "surfaces, source, detector and beam in a file (.json, docs/scene.md)", InputTypeName };
+inline const SharedOption SimulationMesh{ "--simulation-mesh",
+  "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)",
+  InputTypeName };
+inline const SharedOption Spectrum{ "--spectrum", "spectrum: .spc or a shipped one's name",
+  InputTypeName };
+
+/// Texts: AnatomicalAxes::FromCode, and MATERIAL=FILE each.
+inline const SharedOption Orientation{ "--orientation",
+  "directions of the input's axes, such as LPS or ALS\n(one letter each of L/R, A/P, S/I for +x, "
+  "+y "
+  "and +z; LPS is DICOM's, ALS that of the FDA's phantoms)" };
+inline const SharedOption Surface{ "--surface",
+  "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .glb "
+  ".gltf; for an X-ray the material may be what it is made of, with the density in g/cm3 where "
+  "that does not tell it: 'Ti90Al6V4@4.43=matrix.stl')",
+  "MATERIAL=FILE" };
+
+/// A parameter of the pose, such as --roll.
+SharedOption Pose(const PoseParameter& parameter);
 }
 
-/// Adds an option for each parameter of the pose but thickness and stiffness, which do not say
+/// Adds the options of all parameters of the pose but thickness and stiffness, which do not say
 /// where the unit stands.
 void AddPoseOptions(const OptionList& add, BreastPose& pose);
 
-/// Adds --simulation-mesh.
-void AddSimulationMeshOption(const OptionList& add, std::string& mesh);
-
-/// Adds --simulation-cell-size.
-void AddSimulationCellSizeOption(const OptionList& add, double& cellSizeMm);
-
-/// Adds --label-spacing.
-void AddLabelSpacingOption(const OptionList& add, double& spacingMm);
-
-/// Help of options that several commands keep in variables of different types.
-inline constexpr const char* SourceToDetectorHelp = "source to receptor plane";
-inline constexpr const char* LabelSpacingHelp =
-  "cubic voxels of the labels; 0 keeps those of the input";
-inline constexpr const char* SupportHeightHelp = "breast support above the receptor";
-inline constexpr const char* PixelSpacingHelp = "distance of the picture's pixels at the receptor";
-
-/// Adds --mesh; gives the option.
-CLI::Option* AddMeshOption(const OptionList& add, std::string& path);
-
-/// Adds --surface: MATERIAL=FILE each; gives the option.
-CLI::Option* AddSurfaceOption(const OptionList& add, std::vector<std::string>& surfaces);
-
-/// Adds --scene; gives the option.
-CLI::Option* AddSceneOption(const OptionList& add, std::string& path);
-
-/// Adds --kev.
-void AddEnergyOption(const OptionList& add, std::optional<double>& energyKeV);
-
-/// Adds --point: a place of the breast, mm.
-void AddPointOption(const OptionList& add, std::optional<Vector3>& point);
-
-/// Adds --lesion: a volume of lesions (ReadLesions) in the frame of the label volume.
-void AddLesionOption(const OptionList& add, std::string& path);
-
-/// Adds --image: an MRI in the frame of the label volume; gives the option.
-CLI::Option* AddImageOption(const OptionList& add, std::string& path);
+/// Adds --labels, --crop, --skin and --cut-side; gives the option --labels.
+CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 
 /// Adds --side left|right: 'L' or 'R', the patient's own; nothing: not given. Gives the option.
 CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side);
-
-/// Adds --mammogram: one for each view; gives the option.
-CLI::Option* AddMammogramsOption(const OptionList& add, std::vector<std::string>& paths);
 
 /// Adds --view of mammograms, one or a list.
 template <typename T>
@@ -97,9 +100,6 @@ void AddViewOption(const OptionList& add, T& view)
   add.Word("--view", view, { "CC", "MLO", "ML", "LM", "LMO", "FB" },
     "the mammogram's\n(default: by its header, else by the roll)");
 }
-
-/// Adds --pixel: a pixel of the mammogram.
-void AddPixelOption(const OptionList& add, std::optional<std::array<double, 2>>& pixel);
 }
 
 #endif

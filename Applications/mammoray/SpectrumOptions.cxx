@@ -30,8 +30,8 @@ void DeclareResponse(const OptionList& add, SceneResponse& response)
 void DeclareSpectrum(const OptionList& add, SceneBeam& beam)
 {
   const OptionList beamOptions = add.Group("Beam");
-  AddSpectrumOption(beamOptions, beam.Spectrum);
-  AddEnergyOption(beamOptions, beam.EnergyKeV);
+  beamOptions(Shared::Spectrum, beam.Spectrum);
+  beamOptions(Shared::Energy, beam.EnergyKeV);
   beamOptions.Word("--tube", beam.Anode, { "W", "Mo", "Rh" },
     "instead, a tube with this anode\n(and a beryllium window, 18 to 42 kV; Boone, Fewell and "
     "Jennings 1997)");

@@ -35,36 +35,36 @@ struct ViewArguments
 void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& surfaces)
 {
   const OptionList what = add.OneOf("What to look at, one of");
-  AddResultOption(what, input.Result);
-  AddMeshOption(what, input.Mesh);
+  what(Shared::Result, input.Result);
+  what(Shared::Mesh, input.Mesh);
   what.Input("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
-  AddSurfaceOption(what, surfaces.Surfaces);
-  AddSceneOption(what, surfaces.Scene);
-  AddMammogramsOption(add, input.Mammograms);
-  AddImageOption(add, input.Image);
-  AddLesionOption(add, input.Lesions);
-  AddMaterialsOption(add, input.Materials);
-  AddOrientationOption(add, input.Orientation);
-  AddPoseOption(add, PoseParameters[ThicknessParameter], input.Pose[ThicknessParameter]);
+  what(Shared::Surface, surfaces.Surfaces);
+  what(Shared::Scene, surfaces.Scene);
+  add(Shared::Mammograms, input.Mammograms);
+  add(Shared::Image, input.Image);
+  add(Shared::Lesion, input.Lesions);
+  add(Shared::Materials, input.Materials);
+  add(Shared::Orientation, input.Orientation);
+  add(Shared::Pose(PoseParameters[ThicknessParameter]), input.Pose[ThicknessParameter]);
   const OptionList expert = add.Expert();
   for (const PoseParameterIndex index : { RollParameter, LateralParameter, AnteriorParameter })
   {
-    AddPoseOption(expert, PoseParameters[index], input.Pose[index]);
+    expert(Shared::Pose(PoseParameters[index]), input.Pose[index]);
   }
-  AddSpectrumOption(expert, input.Spectrum);
-  AddEnergyOption(expert, surfaces.EnergyKeV);
-  expert("--pixel-spacing", input.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
-  AddLabelsOption(expert, input.Labels.Path);
-  AddSimulationMeshOption(expert, input.SimulationMesh);
+  expert(Shared::Spectrum, input.Spectrum);
+  expert(Shared::Energy, surfaces.EnergyKeV);
+  expert(Shared::PixelSpacing, input.PixelSpacingMm);
+  expert(Shared::Labels, input.Labels.Path);
+  expert(Shared::SimulationMesh, input.SimulationMesh);
 }
 
 void Declare(const OptionList& add, ViewArguments& arguments)
 {
   arguments.Command = &add.App();
   DeclareInput(add, arguments.Input, arguments.Surfaces);
-  AddPointOption(add, arguments.Point);
-  AddPixelOption(add, arguments.Pixel);
+  add(Shared::Point, arguments.Point);
+  add(Shared::Pixel, arguments.Pixel);
   add("--screenshot", arguments.Screenshot,
     "write the window's picture there (.png) and stop; nothing is shown");
   const OptionList expert = add.Expert();
@@ -234,6 +234,6 @@ void AddViewCommand(CLI::App& application)
     "Sliders for thickness, roll, tube voltage and the blend of both; the yellow ball is the X-ray "
     "source. Positions are mm in the frame of the mesh.\n" +
       ViewerHelpText() + "\nOf surfaces:\n" + SurfaceViewerHelpText(),
-    Declare, Run);
+    "view --result result", Declare, Run);
 }
 }

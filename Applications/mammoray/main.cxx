@@ -18,7 +18,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -144,22 +143,9 @@ int main(int argc, char* argv[])
   {
     return CheckPrinted(Run(argc, argv));
   }
-  catch (const std::bad_alloc&)
-  {
-    std::fputs("mammoray: out of memory\n", stderr);
-  }
-  catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
-  {
-    std::fprintf(stderr, "mammoray: %s: cannot be looked for (%s)\n",
-      mammoray::EscapeControls(error.path1().string()).c_str(), error.code().message().c_str());
-  }
-  catch (const mammoray::InputError& error)
-  {
-    std::fprintf(stderr, "mammoray: %s\n", mammoray::InOptions(error).c_str());
-  }
   catch (const std::exception& error)
   {
-    std::fprintf(stderr, "mammoray: %s\n", mammoray::EscapeControls(error.what()).c_str());
+    std::fprintf(stderr, "mammoray: %s\n", mammoray::Complaint(error).c_str());
   }
   catch (...)
   {

@@ -23,7 +23,7 @@ std::string RefusalOfWords(const std::vector<std::string>& words)
 {
   CLI::App application;
   AddCommand<NoArguments>(
-    application, "press", "Presses",
+    application, "press", "Presses", "press",
     [](const OptionList& add, NoArguments& arguments)
     {
       add("--gap", arguments.Gap, "of the plates");

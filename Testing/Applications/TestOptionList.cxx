@@ -74,7 +74,7 @@ class OptionListTest : public testing::Test
 {
 protected:
   OptionListTest()
-    : Command(AddCommand<Arguments>(this->Application, "press", "Presses.", Declare, Keep))
+    : Command(AddCommand<Arguments>(this->Application, "press", "Presses.", "press", Declare, Keep))
   {
     SetUpHelp(this->Application);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "OptionNames.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +18,8 @@ TEST(OptionNames, ReplaceWholeFieldsInMessages)
 {
   const InputError named("ThicknessMm: expected ThicknessMmOf",
     { "ThicknessMm", "3", { "AcceptUnusual" } });
-  EXPECT_EQ(InOptions(named), "--thickness: expected ThicknessMmOf; set --accept-unusual");
+  EXPECT_EQ(Complaint(named), "--thickness: expected ThicknessMmOf; set --accept-unusual");
   const InputError key("table.json: density", { "Density", "3", { "\"unusual\": true" } });
-  EXPECT_EQ(InOptions(key), "table.json: density; set \"unusual\": true");
-  EXPECT_EQ(InOptions(InputError("no such file")), "no such file");
+  EXPECT_EQ(Complaint(key), "table.json: density; set \"unusual\": true");
+  EXPECT_EQ(Complaint(InputError("no such file")), "no such file");
 }

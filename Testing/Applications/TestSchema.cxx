@@ -44,8 +44,8 @@ protected:
   SchemaTest()
   {
     const auto run = [](SchemaArguments&) {};
-    AddCommand<SchemaArguments>(this->Application, "press", "Presses", DeclareAll, run);
-    AddCommand<SchemaArguments>(this->Application, "lift", "Lifts", DeclareQuick, run);
+    AddCommand<SchemaArguments>(this->Application, "press", "Presses", "press", DeclareAll, run);
+    AddCommand<SchemaArguments>(this->Application, "lift", "Lifts", "lift", DeclareQuick, run);
   }
 
   CLI::App Application;

@@ -120,7 +120,8 @@ void DeclareCase(const OptionList& add, CaseArguments& arguments)
 void ParseConfiguration(const std::string& path)
 {
   CLI::App application;
-  AddCommand<CaseArguments>(application, "read", "Reads", DeclareCase, [](CaseArguments&) {});
+  AddCommand<CaseArguments>(application, "read", "Reads", "read", DeclareCase,
+    [](CaseArguments&) {});
   try
   {
     application.parse(std::vector<std::string>{ path, "--config", "read" });
