@@ -128,37 +128,35 @@ void CheckOutputs(const CompressArguments& arguments)
   }
 }
 
-/// Apart for the breast and for fixed tissue, which has no mechanics: what glides along its front
-/// draws the corners there along.
+/// Counts the breast and fixed tissue apart: fixed tissue has no mechanics, and what glides along
+/// its front draws the corners there along.
 void PrintInvertedCells(const CompressionCaseResult& result)
 {
-  const std::vector<bool> held = result.Materials.Fixed();
+  const std::vector<bool> fixed = result.Materials.Fixed();
   vtkDataArray* ratios = result.Compressed->GetCellData()->GetArray("J");
   vtkDataArray* materials = result.Compressed->GetCellData()->GetArray("Material");
-  struct
+  for (const bool isFixed : { false, true })
   {
-    std::size_t Cells = 0;
-    std::size_t Inverted = 0;
-    double Worst = 0;
-  } parts[2];
-  for (vtkIdType cell = 0; cell < ratios->GetNumberOfTuples(); ++cell)
-  {
-    auto& part = parts[held[static_cast<std::size_t>(materials->GetTuple1(cell))] ? 1 : 0];
-    const double ratio = ratios->GetTuple1(cell);
-    ++part.Cells;
-    part.Inverted += ratio > 0 ? 0 : 1;
-    part.Worst = std::min(part.Worst, ratio);
-  }
-  const char* names[2] = { "the breast", "fixed tissue, whose front the breast draws along" };
-  for (int p = 0; p < 2; ++p)
-  {
-    if (parts[p].Inverted > 0)
+    std::size_t cells = 0;
+    std::size_t inverted = 0;
+    double worst = 0;
+    for (vtkIdType cell = 0; cell < ratios->GetNumberOfTuples(); ++cell)
     {
-      std::printf("%zu of %zu cells of the mesh (%.2g %%) are turned inside out in %s, the worst "
-                  "to %.2f of its volume (array J)\n",
-        parts[p].Inverted, parts[p].Cells,
-        100.0 * static_cast<double>(parts[p].Inverted) / static_cast<double>(parts[p].Cells),
-        names[p], parts[p].Worst);
+      if (fixed[static_cast<std::size_t>(materials->GetTuple1(cell))] == isFixed)
+      {
+        const double ratio = ratios->GetTuple1(cell);
+        ++cells;
+        inverted += ratio > 0 ? 0 : 1;
+        worst = std::min(worst, ratio);
+      }
+    }
+    if (inverted > 0)
+    {
+      std::printf(
+        "%zu of %zu cells of the mesh (%.2g %%) are turned inside out in %s, the worst to "
+        "%.2f of its volume (array J)\n",
+        inverted, cells, 100.0 * static_cast<double>(inverted) / static_cast<double>(cells),
+        isFixed ? "fixed tissue, whose front the breast draws along" : "the breast", worst);
     }
   }
 }
@@ -216,8 +214,6 @@ void Run(CompressArguments& arguments)
   {
     throw CLI::RequiredError("--thickness or --force");
   }
-  CheckInputFile(input.Mesh);
-  CheckInputFileIfAny(input.SimulationMesh);
   CheckOutputs(arguments);
   if (arguments.ThicknessMm && !Program().AcceptUnusual)
   {

@@ -39,7 +39,7 @@ struct DicomArguments
 void Declare(const OptionList& add, DicomArguments& arguments)
 {
   add(Shared::Result, arguments.Result)->required();
-  add.Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp)->required();
+  add.File("--mammogram", arguments.Mammogram, RegisteredMammogramHelp)->required();
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
   AddSamePatientFlag(add.Group("DICOM"), arguments.SamePatient);
   const OptionList shown = add.Group("Of a folder");
@@ -122,7 +122,6 @@ void Run(DicomArguments& arguments)
     throw InputError("output: expected --same-patient for a folder of objects, which refer to the "
                      "mammogram, or a file (.dcm) for the synthetic one alone");
   }
-  CheckInputFile(arguments.Mammogram);
   if (alone)
   {
     CheckOutputFile(arguments.Output);

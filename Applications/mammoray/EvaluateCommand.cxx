@@ -33,22 +33,22 @@ struct EvaluateArguments
 void Declare(const OptionList& add, EvaluateArguments& arguments)
 {
   add(Shared::Result, arguments.Result);
-  add.Input("--landmarks", arguments.Landmarks,
+  add.File("--landmarks", arguments.Landmarks,
     "CSV with ux,uy,uz,cx,cy,cz and imaged, mm\n(uncompressed in the frame of the label volume, "
     "compressed in the frame of the truth; imaged is 0 or 1 and may be left out)");
   add
-    .Input("--second-reader", arguments.SecondReader,
+    .File("--second-reader", arguments.SecondReader,
       "the same landmarks in the same order, marked by somebody else\n(how far two readers' marks "
       "lie apart is printed beside the errors)")
     ->needs("--landmarks");
   add
-    .Input("--truth", arguments.Study,
+    .File("--truth", arguments.Study,
       "truth.json of a virtual study, in place of --landmarks\n(of mammoray-validate; for the "
       "result "
       "of 'register --study' on its export)")
     ->excludes("--landmarks");
   add
-    .Input("--answers", arguments.Answers,
+    .File("--answers", arguments.Answers,
       "CSV of any method's answers to --truth, in place of --result\n(view,point,column,row, or "
       "view,point,column,row,x,y,z: pixels; gantry frame, mm)")
     ->needs("--truth")
@@ -91,10 +91,10 @@ void PrintPointErrors(const std::string& view, const char* group, const PointErr
 
 std::vector<AnswerScore> ScoresOf(const EvaluateArguments& arguments)
 {
-  const StudyTruth truth = ReadStudyTruth(CheckInputFile(arguments.Study));
+  const StudyTruth truth = ReadStudyTruth(arguments.Study);
   if (!arguments.Answers.empty())
   {
-    return ScoreAnswers(truth, ReadStudyAnswers(CheckInputFile(arguments.Answers)));
+    return ScoreAnswers(truth, ReadStudyAnswers(arguments.Answers));
   }
   std::vector<AnswerScore> scores;
   for (const ResultFile& result : ReadResultFiles(arguments.Result))
@@ -138,7 +138,7 @@ void Run(EvaluateArguments& arguments)
   }
   const ResultFile result = ReadResultFile(arguments.Result);
   const auto grid = ReadBreastInUnit(result).Uncompressed;
-  const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));
+  const std::vector<Landmark> landmarks = ReadLandmarks(arguments.Landmarks);
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.TruthOrientation);
   arguments.Truth.Placed = { arguments.TruthOrigin, axes.Left, axes.Anterior, axes.Superior };
   const std::vector<LandmarkErrors> methods =
@@ -146,8 +146,7 @@ void Run(EvaluateArguments& arguments)
   std::optional<ReaderDistances> apart;
   if (!arguments.SecondReader.empty())
   {
-    apart = DistancesBetween(landmarks, ReadLandmarks(CheckInputFile(arguments.SecondReader)),
-      arguments.Truth);
+    apart = DistancesBetween(landmarks, ReadLandmarks(arguments.SecondReader), arguments.Truth);
   }
 
   std::printf("Landmark error, mm             (landmarks are never used to fit)\n");

@@ -24,9 +24,6 @@ namespace mammoray
 {
 namespace
 {
-/// Distance of a curve's points in the compressed breast, mm.
-constexpr double CurveStepMm = 0.25;
-
 struct LocateArguments
 {
   std::string Result;
@@ -58,7 +55,7 @@ void Declare(const OptionList& add, LocateArguments& arguments)
     "curve of --pixel (.csv), outlines of --lesion (.csv) or its shadow (.dcm)\n(x_mm,y_mm,z_mm,"
     "material, and column, row and sigma_mm in each of the other mammograms; "
     "label,polygon,column,row; a DICOM segmentation)");
-  add.Group("DICOM").Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp);
+  add.Group("DICOM").File("--mammogram", arguments.Mammogram, RegisteredMammogramHelp);
   AddSamePatientFlag(add.Group("DICOM"), arguments.SamePatient);
 }
 
@@ -95,7 +92,7 @@ struct NamedBreast
 };
 
 /// Each point of the curve, and where the other mammograms show it.
-void WriteCurve(const std::vector<RaySegment>& stretches, const std::vector<NamedBreast>& others,
+void WriteCurve(const std::vector<RaySegment>& segments, const std::vector<NamedBreast>& others,
   const std::string& path)
 {
   std::ostringstream file;
@@ -105,11 +102,11 @@ void WriteCurve(const std::vector<RaySegment>& stretches, const std::vector<Name
     file << ',' << other.Name << "_column," << other.Name << "_row," << other.Name << "_sigma_mm";
   }
   file << '\n';
-  for (const RaySegment& stretch : stretches)
+  for (const RaySegment& segment : segments)
   {
-    for (const Vector3& point : stretch.Uncompressed)
+    for (const Vector3& point : segment.Uncompressed)
     {
-      file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material;
+      file << point[0] << ',' << point[1] << ',' << point[2] << ',' << segment.Material;
       for (const NamedBreast& other : others)
       {
         const ImagedPoint imaged = other.Breast.ToMammogram(point);
@@ -127,10 +124,10 @@ void WriteCurve(const std::vector<RaySegment>& stretches, const std::vector<Name
 
 /// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
 /// that of the receptor.
-void PrintInOther(const NamedBreast& other, const std::vector<RaySegment>& stretches)
+void PrintInOther(const NamedBreast& other, const std::vector<RaySegment>& segments)
 {
-  const ImagedPoint from = other.Breast.ToMammogram(stretches.front().Uncompressed.front());
-  const ImagedPoint to = other.Breast.ToMammogram(stretches.back().Uncompressed.back());
+  const ImagedPoint from = other.Breast.ToMammogram(segments.front().Uncompressed.front());
+  const ImagedPoint to = other.Breast.ToMammogram(segments.back().Uncompressed.back());
   std::printf("in %s: on the line from pixel %.1f %.1f to %.1f %.1f", other.Name.c_str(),
     from.Column, from.Row, to.Column, to.Row);
   if (from.Uncertainty && to.Uncertainty)
@@ -145,12 +142,12 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
   const LocateArguments& arguments)
 {
   const auto [column, row] = *arguments.Pixel;
-  const std::vector<RaySegment> stretches = breast.ToVolume(column, row, CurveStepMm);
+  const std::vector<RaySegment> segments = breast.ToVolume(column, row);
   if (!arguments.Output.empty())
   {
-    WriteCurve(stretches, others, arguments.Output);
+    WriteCurve(segments, others, arguments.Output);
   }
-  if (stretches.empty())
+  if (segments.empty())
   {
     std::printf("pixel %.1f %.1f: the X-ray misses the breast\n", column, row);
   }
@@ -159,19 +156,19 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
     std::printf("%-10s %8s  %-20s  %s\n", "tissue", "length", "height (receptor 0)",
       "uncompressed, from ... to (mm)");
   }
-  for (const RaySegment& stretch : stretches)
+  for (const RaySegment& segment : segments)
   {
-    const Vector3& first = stretch.Uncompressed.front();
-    const Vector3& last = stretch.Uncompressed.back();
+    const Vector3& first = segment.Uncompressed.front();
+    const Vector3& last = segment.Uncompressed.back();
     std::printf("%-10s %5.2f mm  %6.2f to %6.2f mm   %7.2f %7.2f %7.2f to %7.2f %7.2f %7.2f\n",
-      stretch.Material.c_str(), stretch.LengthMm, stretch.EntryHeightMm, stretch.ExitHeightMm,
+      segment.Material.c_str(), segment.LengthMm, segment.EntryHeightMm, segment.ExitHeightMm,
       first[0], first[1], first[2], last[0], last[1], last[2]);
   }
   for (const NamedBreast& other : others)
   {
-    if (!stretches.empty())
+    if (!segments.empty())
     {
-      PrintInOther(other, stretches);
+      PrintInOther(other, segments);
     }
   }
   if (!arguments.Output.empty())
@@ -253,7 +250,7 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
 /// The image that a segmentation lies over; it must have the registered pixels.
 DicomReference ReadSegmentedImage(const NamedBreast& registered, const LocateArguments& arguments)
 {
-  DicomReference image = ReadDicomReference(CheckInputFile(arguments.Mammogram));
+  DicomReference image = ReadDicomReference(arguments.Mammogram);
   const XRayDetector detector = registered.Breast.Detector();
   if (image.Columns != detector.Columns || image.Rows != detector.Rows)
   {

@@ -64,7 +64,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
       "by default one that gives 3000 to 6000 cells, however ragged the labels are)")
     ->excludes(surface);
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
-  add.Input("--check", arguments.Check,
+  add.File("--check", arguments.Check,
     "check this mesh or surface instead of making one\n(.vtu, legacy .vtk, .vtp .stl .ply .obj "
     ".glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
     "of defect)");
@@ -225,7 +225,6 @@ void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 /// Every defect on a line of its own; those of a mesh that is not sound end in exit code 1.
 void RunCheck(const MeshArguments& arguments)
 {
-  CheckInputFile(arguments.Check);
   CheckReportFiles(arguments);
   std::vector<std::string> names;
   MeshCheck check;

@@ -59,6 +59,12 @@ std::string Declaration::Name() const
   return names.empty() ? this->Option->get_name(true) : names.front();
 }
 
+bool Declaration::IsInput() const
+{
+  const std::string& type = this->Option->get_type_name();
+  return this->IsSetting() && (type == InputTypeName || type == FileTypeName);
+}
+
 std::string Declaration::Help() const
 {
   std::string text = this->Option->get_description();
@@ -168,10 +174,10 @@ CLI::Validator OneOfWords(const std::vector<std::string>& words)
     "");
 }
 
-CLI::Validator FileOrFolder()
+CLI::Validator FileOrFolder(bool isFile)
 {
   return CLI::Validator(
-    [](const std::string& path)
+    [isFile](const std::string& path)
     {
       namespace fs = std::filesystem;
       std::error_code ignored;
@@ -183,6 +189,10 @@ CLI::Validator FileOrFolder()
       if (found)
       {
         throw InputError(path + ": expected a file or a folder, found " + found);
+      }
+      if (isFile)
+      {
+        CheckInputFile(path);
       }
       return std::string();
     },

@@ -58,8 +58,10 @@ enum class Shown
   InCaseFile
 };
 
-/// The heading of the options of every command, and what help shows in place of an input's type.
+/// The heading of the options of every command, and what help shows in place of the type of inputs:
+/// of files, and of files, folders or names of shipped ones.
 inline constexpr const char* ProgramHeading = "Of every command";
+inline constexpr const char* FileTypeName = "FILE";
 inline constexpr const char* InputTypeName = "PATH";
 
 /// What is declared of an option beside what CLI11 keeps: names, help, default, whether required.
@@ -80,7 +82,7 @@ struct Declaration
   std::string Help() const;
   bool IsFlag() const { return this->Option->get_expected_max() == 0; }
   bool IsList() const { return this->Option->get_expected_max() > 1; }
-  bool IsInput() const { return this->Option->get_type_name() == InputTypeName; }
+  bool IsInput() const;
   bool IsOfProgram() const { return this->Option->get_group() == ProgramHeading; }
   /// Whether a case file may hold it: all but --config and --print-config.
   bool IsSetting() const { return this->Option->get_configurable(); }
@@ -91,7 +93,7 @@ struct Declaration
 };
 
 /// An option of several commands. `Numbers` is its unit and range, or what help shows in place of a
-/// type: "X Y Z" of three numbers, InputTypeName of what is read.
+/// type: "X Y Z" of three numbers, FileTypeName or InputTypeName of what is read.
 struct SharedOption
 {
   std::string Name;
@@ -131,9 +133,9 @@ CLI::Validator NumberIn(const Quantity& quantity)
 CLI::Validator OneOfWords(const std::vector<std::string>& words);
 
 /// Throws InputError at what is no file or folder: a pipe that nobody writes into is waited for
-/// without end, a device never ends, and inputs are read more than once. What is not there passes,
-/// as names of shipped files do; readers tell.
-CLI::Validator FileOrFolder();
+/// without end, a device never ends, and inputs are read more than once. What is not there passes
+/// unless `isFile`, as names of shipped files do; readers tell.
+CLI::Validator FileOrFolder(bool isFile);
 
 /**
  * Declares the options of a command. The variable's value is the default that --help and
@@ -214,9 +216,10 @@ public:
     }
     else
     {
-      return option.Numbers.Unit == InputTypeName
-        ? this->Input(option.Name, value, option.Help)
-        : (*this)(option.Name, value, option.Numbers, option.Help);
+      const std::string& unit = option.Numbers.Unit;
+      return unit == FileTypeName ? this->File(option.Name, value, option.Help)
+        : unit == InputTypeName   ? this->Input(option.Name, value, option.Help)
+                                  : (*this)(option.Name, value, option.Numbers, option.Help);
     }
   }
 
@@ -225,7 +228,14 @@ public:
   template <typename T>
   CLI::Option* Input(const std::string& name, T& value, const std::string& help) const
   {
-    return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder());
+    return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder(false));
+  }
+
+  /// The same of files that must be there.
+  template <typename T>
+  CLI::Option* File(const std::string& name, T& value, const std::string& help) const
+  {
+    return (*this)(name, value, help)->type_name(FileTypeName)->check(FileOrFolder(true));
   }
 
   /// A fixed number of numbers; `type` names them in help: "X Y Z". `T`: an array, or an optional

@@ -68,7 +68,7 @@ void NoteGiven(const CLI::App& command)
   }
 }
 
-const std::string& CheckInputFile(const std::string& path)
+void CheckInputFile(const std::string& path)
 {
   const char* const problem = !fs::exists(path) ? ": no such file"
     : fs::is_directory(path)                    ? ": expected a file, found a folder"
@@ -77,15 +77,6 @@ const std::string& CheckInputFile(const std::string& path)
   if (problem)
   {
     throw InputError(path + problem);
-  }
-  return path;
-}
-
-void CheckInputFileIfAny(const std::string& path)
-{
-  if (!path.empty())
-  {
-    CheckInputFile(path);
   }
 }
 

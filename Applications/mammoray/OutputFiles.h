@@ -12,11 +12,8 @@ class App;
 
 namespace mammoray
 {
-/// Returns the path if the file exists and can be read; throws InputError otherwise.
-const std::string& CheckInputFile(const std::string& path);
-
-/// CheckInputFile unless the path is empty.
-void CheckInputFileIfAny(const std::string& path);
+/// Throws InputError unless the file exists and can be read.
+void CheckInputFile(const std::string& path);
 
 /// Keeps the paths that options of the command name: an output must not be an input as well.
 void NoteGiven(const CLI::App& command);

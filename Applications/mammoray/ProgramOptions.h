@@ -32,9 +32,9 @@ ProgramOptions& Program();
 /**
  * Adds the options above, --config FILE.json, which reads a case file, and --print-config, which
  * writes one. Keys of the file are the option names without dashes, and "$schema"; an option on the
- * command line wins over the file. Inputs (OptionList::Input) are looked for beside the file first,
- * so that a folder with its case file can be moved, then in the working folder. Call it after the
- * command's own options are added.
+ * command line wins over the file. Inputs (OptionList::File, Input) are looked for beside the file
+ * first, so that a folder with its case file can be moved, then in the working folder. Call it
+ * after the command's own options are added.
  */
 void AddProgramOptions(Command& command);
 

@@ -50,7 +50,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
   add(Shared::Mammograms, input.Mammograms)->excludes(study);
   AddViewOption(add, input.MammogramViews);
   add(Shared::PixelSpacing, input.PixelSpacingMm);
-  add.Input("--mask", input.Masks, "pictures (.png .mha), not 0 where a mammogram is not compared");
+  add.File("--mask", input.Masks, "pictures (.png .mha), not 0 where a mammogram is not compared");
   const OptionList file = add.Group("Mammogram").CaseFile();
   file.FlagOff("--compare-pectoral", input.Targets.ExcludePectoral,
     "compare the pectoral muscle, too: it is looked for in oblique views and left out");
@@ -78,7 +78,7 @@ void DeclareMeshes(const OptionList& add, RegistrationCase& input)
   const OptionList meshes = add.Group("Meshes").Expert();
   meshes(Shared::LabelSpacing, input.Labels.SpacingMm);
   meshes("--anatomy-cell-size", input.AnatomyCellSizeMm, Positive("mm"), "largest cells X-rayed");
-  meshes.Input("--anatomy-mesh", input.AnatomyMesh,
+  meshes.File("--anatomy-mesh", input.AnatomyMesh,
     "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels");
   meshes(Shared::SimulationMesh, input.SimulationMesh);
   meshes(Shared::SimulationCellSize, input.SimulationCellSizeMm);
@@ -180,27 +180,15 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   DeclareUnit(add, input);
 }
 
+/// The volumes, which may be folders, are read long after the search has begun.
 void CheckInputs(const RegistrationCase& input)
 {
-  for (const std::vector<std::string>& paths : { input.Mammograms, input.Masks })
+  for (const std::string& volume : { input.Lesions, input.Image, input.Labels.Path })
   {
-    for (const std::string& path : paths)
+    if (!std::filesystem::is_directory(volume) && !volume.empty())
     {
-      CheckInputFile(path);
+      CheckInputFile(volume);
     }
-  }
-  CheckInputFileIfAny(input.AnatomyMesh);
-  CheckInputFileIfAny(input.SimulationMesh);
-  for (const std::string& volume : { input.Lesions, input.Image })
-  {
-    if (!std::filesystem::is_directory(volume))
-    {
-      CheckInputFileIfAny(volume);
-    }
-  }
-  if (!input.Study && !std::filesystem::is_directory(input.Labels.Path))
-  {
-    CheckInputFile(input.Labels.Path);
   }
 }
 

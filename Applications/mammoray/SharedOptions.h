@@ -51,20 +51,20 @@ inline const SharedOption Mammograms{ "--mammogram",
   "mammogram (DICOM MG), once for each view of the same breast\n(CC and MLO are registered "
   "together, with one stiffness of gland; of a tomosynthesis, Breast Projection X-Ray Image, all "
   "projections against one compression)",
-  InputTypeName };
+  FileTypeName };
 inline const SharedOption Materials{ "--materials",
   "material table: .json or a shipped one's name (victre, segment, ...)", InputTypeName };
 inline const SharedOption Mesh{ "--mesh",
   "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, or one "
   "material; those of --materials)",
-  InputTypeName };
+  FileTypeName };
 inline const SharedOption Result{ "--result", "folder written by 'mammoray register'",
   InputTypeName };
 inline const SharedOption Scene{ "--scene",
-  "surfaces, source, detector and beam in a file (.json, docs/scene.md)", InputTypeName };
+  "surfaces, source, detector and beam in a file (.json, docs/scene.md)", FileTypeName };
 inline const SharedOption SimulationMesh{ "--simulation-mesh",
   "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)",
-  InputTypeName };
+  FileTypeName };
 inline const SharedOption Spectrum{ "--spectrum", "spectrum: .spc or a shipped one's name",
   InputTypeName };
 

@@ -37,7 +37,7 @@ void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& sur
   const OptionList what = add.OneOf("What to look at, one of");
   what(Shared::Result, input.Result);
   what(Shared::Mesh, input.Mesh);
-  what.Input("--series", input.Series,
+  what.File("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
   what(Shared::Surface, surfaces.Surfaces);
   what(Shared::Scene, surfaces.Scene);
@@ -80,21 +80,6 @@ void Declare(const OptionList& add, ViewArguments& arguments)
     Between(400, 8192));
   expert("--benchmark", arguments.BenchmarkFrames, Between(1, 100000),
     "move source, then paddle, for so many frames, print the rates, and stop");
-}
-
-/// Bad input is told before the display is looked for.
-void CheckInputs(const ViewArguments& arguments)
-{
-  const ViewInput& input = arguments.Input;
-  for (const std::string& path : { input.Mesh, input.Series, input.SimulationMesh })
-  {
-    CheckInputFileIfAny(path);
-  }
-  for (const std::string& path : input.Mammograms)
-  {
-    CheckInputFile(path);
-  }
-  CheckPictureFile(arguments.Screenshot);
 }
 
 ViewerOptions ToViewerOptions(const ViewArguments& arguments)
@@ -221,7 +206,7 @@ void RunSurfaces(const ViewArguments& arguments)
 void Run(ViewArguments& arguments)
 {
   Program().ApplyTo(arguments.Input.Labels);
-  CheckInputs(arguments);
+  CheckPictureFile(arguments.Screenshot);
   arguments.Surfaces.IsAsked() ? RunSurfaces(arguments) : RunBreast(arguments);
 }
 }

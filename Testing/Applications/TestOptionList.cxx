@@ -38,6 +38,7 @@ struct Arguments
   bool Quick = false;
   bool Correct = true;
   std::string Mesh;
+  std::string Reference;
   std::vector<std::string> Pictures;
   std::string Output;
 };
@@ -61,6 +62,7 @@ void Declare(const OptionList& add, Arguments& arguments)
   add.Group("Speed").Flag("--quick", arguments.Quick, "coarsely");
   add.FlagOff("--no-correction", arguments.Correct, "leave it");
   add.Input("--mesh", arguments.Mesh, "to press");
+  add.File("--reference", arguments.Reference, "to compare with");
   add.Input("--picture", arguments.Pictures, "to compare with");
   add("--output", arguments.Output, "to write");
 }
@@ -179,6 +181,8 @@ TEST_F(OptionListTest, InputsAreFilesOrFolders)
   {
     EXPECT_EQ(refusal(path), test::NotRefused);
   }
+  const std::string none = folder.File("none");
+  EXPECT_EQ(test::RefusalOf([&] { this->Parse("--reference " + none); }), none + ": no such file");
 }
 
 TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)
