@@ -12,7 +12,6 @@
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 #include "mammoray/Study/StudyCase.h"
-#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <cmath>
 #include <cstdio>
