@@ -323,8 +323,7 @@ void Run(RegisterArguments& arguments)
     arguments.ChestWallMarginMm.value_or(input.Targets.ChestWallMarginMm);
   input.ImagePosition = arguments.ImagePosition.value_or(input.ImagePosition);
   CheckInputs(input);
-  input.Device = Program().Projector.Device;
-  input.Projector = MethodName(Program().Projector.Projection);
+  input.Projector = Program().Projector;
   input.Checkpoint = CheckpointPath(arguments.Output);
   const RegistrationCaseResult result = RegisterAndWrite(arguments);
 

@@ -20,39 +20,40 @@ class vtkUnstructuredGrid;
 
 namespace mammoray
 {
-/// What is compressed and how, by files; the members carry the defaults.
+/// Inputs of a compression, by files, and its options. The members have the defaults.
 struct CompressionCase
 {
-  /// Linear tetrahedra with materials (.vtu), in whose frame all is.
+  /// Linear tetrahedra with materials (.vtu), which define the frame.
   std::string Mesh;
   /// Material table: a path (.json) or the name of a shipped one.
   std::string Materials;
   /// Directions of the mesh's axes (AnatomicalAxes::FromCode).
   std::string Orientation = "LPS";
-  /// Coarse mesh that carries the other along; empty: the mesh itself where it is coarse enough,
-  /// else one that is made with cells of this size, mm; 0: by the size of the breast.
+  /// Coarse mesh that carries the other along. Empty: the mesh itself if it is coarse enough, else
+  /// one that is made with cells of this size, mm; 0 for a size by that of the breast.
   std::string SimulationMesh;
   double SimulationCellSizeMm = 0;
-  /// Where stiffness is sampled; without a path in the mesh.
+  /// Volume in which stiffness is sampled. Without a path it is sampled in the mesh.
   LabelSource Labels;
   MammographyUnit Unit;
-  /// The thickness counts where no force is given.
+  /// The thickness counts if no force is given.
   BreastPose Pose;
-  /// Force of the paddle whose thickness is found, N, positive.
+  /// Force of the paddle, N, positive, for which the thickness is found.
   std::optional<double> ForceN;
-  /// Standard view ("CC", "MLO", ...) and side ('L', 'R'), whose roll is added; empty: none.
+  /// Standard view ("CC", "MLO", ...) and side ('L', 'R'), whose roll is added to the pose's.
+  /// Empty: none.
   std::string View;
   std::optional<char> Side;
-  /// Elements, chest wall and friction; weight and pull are filled in from the following.
+  /// Elements, chest wall and friction. Gravity and pull are set by the following members.
   CompressionOptions Loading;
   /// Force that draws the breast forwards, spread over its volume, N.
   double PullN = 0;
-  /// How the patient lay in the image, of whose weight the breast is unloaded; none: the mesh is
+  /// How the patient lay in the image, in which the breast bears its weight. Absent: the mesh is
   /// free of load.
   std::optional<PatientPosition> ImagePosition;
-  /// The standing patient's weight counts even where the image was free of load.
+  /// Applies the standing patient's weight even if the image is free of load.
   bool Gravity = false;
-  /// Steps of a time series from open plates to closed ones, at least 2; 0: none.
+  /// Steps of a time series from open plates to closed ones, at least 2. 0: none.
   int SeriesSteps = 0;
 };
 
@@ -60,24 +61,24 @@ struct CompressionCaseResult
 {
   MaterialTable Materials;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
-  /// With the arrays of CompressionGrids, and where the unit stands (AddPlacement).
+  /// With the arrays of CompressionGrids and the unit's place (AddPlacement).
   vtkSmartPointer<vtkUnstructuredGrid> Compressed;
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> Series;
   CompressionState State;
-  /// Asked for or found, mm.
+  /// The thickness that was given or found, mm.
   double ThicknessMm = 0;
   VolumeFromGantry Placed;
   std::size_t SimulationCells = 0;
   std::size_t Unknowns = 0;
 };
 
-/// Reads, compresses, and moves the mesh. Throws InputError on unusable input, CompressionError
-/// where the plates asked for have no equilibrium, Interrupted.
+/// Reads, compresses, and moves the mesh. Throws InputError on unusable input, CompressionError if
+/// there is no equilibrium between the plates, Interrupted.
 MAMMORAYSTUDY_EXPORT CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   const ProgressCallback& progress = {});
 
 /// Draws the breast from the side before and after, with the plates, and after from the front
-/// (.png). Throws InputError when it cannot be written.
+/// (.png). Throws InputError if it cannot be written.
 MAMMORAYSTUDY_EXPORT void WriteCompressionPicture(const CompressionCaseResult& result,
   const std::string& path);
 }

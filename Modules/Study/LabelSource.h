@@ -10,12 +10,12 @@
 
 namespace mammoray
 {
-/// A label volume as a user names it, and what is done to it before it is used.
+/// A label volume and the steps that prepare it.
 struct LabelSource
 {
   /// A file or folder that ReadLabelVolume reads.
   std::string Path;
-  /// The header's axes as they are, with no conversion to LPS (VolumeAxes::AsGiven).
+  /// Keeps the header's axes, without conversion to LPS (VolumeAxes::AsGiven).
   bool AxesAsGiven = false;
   /**
    * Voxels to keep along i, j and k, counted from 0: "FIRST:LAST", both included, ":" for all;
@@ -32,10 +32,10 @@ struct LabelSource
    */
   std::string Skin;
   /**
-   * Sides of the grid at which the tissue was cut flat, "i-", "i+" to "k+": the air behind its last
-   * voxels there goes, so that the cut gets no skin, and it does not move there (CutTissue). A cut,
-   * as before a chest wall that is not in the volume, cannot be told from the flat skin of a breast
-   * between plates.
+   * Sides of the grid at which the tissue was cut flat, "i-", "i+" to "k+". The air behind its last
+   * voxels there is removed, so that the cut gets no skin, and the tissue is fixed there
+   * (CutTissue). The volume alone cannot show whether tissue was cut, as before a chest wall, or
+   * has the flat skin of a breast between plates.
    */
   std::vector<std::string> CutSides;
   /// Accepts values outside their ValidRange, of the volume and of its processing.

@@ -61,7 +61,6 @@ MeshingOptions OptionsOf(const MeshCase& input, const MaterialTable& table)
   options.FacetDistanceOfMaterialMm = layers.FacetDistanceOfMaterialMm;
   AddSizes(input.CellSizeOfMm, table, options.CellSizeOfMaterialMm);
   AddSizes(input.FacetSizeOfMm, table, options.FacetSizeOfMaterialMm);
-  AddSizes(input.FacetDistanceOfMm, table, options.FacetDistanceOfMaterialMm);
   options.Validate();
   return options;
 }

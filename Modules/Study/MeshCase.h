@@ -20,51 +20,49 @@ class vtkUnstructuredGrid;
 
 namespace mammoray
 {
-/// What is meshed and how, by files; the members carry the defaults.
+/// Inputs of a mesh, by files, and its options. The members have the defaults.
 struct MeshCase
 {
-  /// Segmented volume; without a path the surfaces are meshed.
+  /// Segmented volume. Without a path the surfaces are meshed.
   LabelSource Labels;
-  /// Material and file of closed surfaces (ReadSurface), each the boundary of its material; a
-  /// material may have several.
+  /// Material and file of closed surfaces (ReadSurface), each a boundary of its material.
   std::vector<std::pair<std::string, std::string>> Surfaces;
-  /// Edge of cubic voxels that the surfaces label and that are then meshed, mm, positive; none: the
-  /// surfaces, which then must not cut each other, are filled as they are.
+  /// Edge of cubic voxels that the surfaces label and that are then meshed, mm, positive. Absent:
+  /// the surfaces, which must not cut each other, are filled.
   std::optional<double> SurfaceVoxelsMm;
-  /// Material table: a path (.json) or the name of a shipped one. Surfaces do without: their
+  /// Material table: a path (.json) or the name of a shipped one. Surfaces need none: their
   /// materials are then numbered from 1 in their order.
   std::string Materials;
-  /// What fills labels with tetrahedra; surfaces are always filled by TetGen.
+  /// What fills labels with tetrahedra. Surfaces are always filled by TetGen.
   enum class Method
   {
     Cgal,
     TetGen
   };
   Method Filling = Method::Cgal;
-  /// A coarse mesh for the mechanics (MeshForSimulation) of this cell size, mm; 0: by the size of
-  /// the breast. None: a mesh of the anatomy.
+  /// Cell size of a coarse mesh for the mechanics (MeshForSimulation), mm; 0 for a size by that of
+  /// the breast. Absent: a mesh of the anatomy.
   std::optional<double> MechanicsCellSizeMm;
-  /// Of the anatomy. What it says of single materials is filled in from the following.
+  /// Options of the anatomy's mesh. Sizes of single materials are set by the following members.
   MeshingOptions Options = MeshingOptions::Anatomy({});
-  /// Names of the materials that form layers of about a millimetre; empty: the table's thin ones;
-  /// "none" stands for none.
+  /// Names of the materials that form layers of about a millimetre. Empty: the table's thin ones;
+  /// "none": none.
   std::vector<std::string> Thin;
-  /// Name of a material and its size, mm.
+  /// Sizes by the names of materials, mm.
   std::map<std::string, double> CellSizeOfMm;
   std::map<std::string, double> FacetSizeOfMm;
-  std::map<std::string, double> FacetDistanceOfMm;
 };
 
 struct MeshCaseResult
 {
   MaterialTable Materials;
-  /// With what the case said of single materials.
+  /// With the case's sizes of single materials.
   MeshingOptions Options;
   MeshingResult Meshed;
   MeshCheck Check;
-  /// Materials of plates that are thinner than half of the facets that bound them: facets are
-  /// placed where interfaces are met, and may miss a plate between two of them. Empty where such
-  /// sizes were not used.
+  /// Materials that are thinner than half of the facets that bound them. Facets are placed where
+  /// interfaces are met, and may miss a thin layer between two of them. Empty if the sizes of
+  /// facets were not used.
   std::vector<MaterialQuality> TooThin;
 };
 
@@ -72,31 +70,31 @@ struct MeshCaseResult
 MAMMORAYSTUDY_EXPORT double FacetSizeMm(const MeshingOptions& options, int material);
 
 /**
- * Reads, meshes and checks the mesh. Throws InputError on unusable input, ConvergenceError where a
+ * Reads, meshes and checks the mesh. Throws InputError on unusable input, ConvergenceError if a
  * material was lost, Interrupted.
  */
 MAMMORAYSTUDY_EXPORT MeshCaseResult RunMeshCase(const MeshCase& input,
   const ProgressCallback& progress = {});
 
-/// The name of a material, or its number where it has none.
+/// The name of a material, or its number if it has none.
 MAMMORAYSTUDY_EXPORT std::string NameOfMaterial(int material,
   const std::vector<std::string>& names);
 
-/// Troubles with their places, volumes and cell quality as JSON; lengths in mm.
+/// Returns JSON of troubles with their places, volumes and cell quality; lengths in mm.
 MAMMORAYSTUDY_EXPORT std::string CheckReport(const MeshCheck& check,
   const std::vector<std::string>& names);
 
-/// The same, and before it what was meshed, what became of each material, and the time and memory
-/// that the process took up to now.
+/// Returns the same, and the inputs, the volume of each material before and after, and the
+/// processor time and memory of the process up to now.
 MAMMORAYSTUDY_EXPORT std::string MeshReport(const MeshCase& input, const MeshCaseResult& result);
 
-/// Draws how many cells of each material have which smallest dihedral angle and which ratio of
-/// circumradius and shortest edge (.png). Throws InputError when it cannot be written.
+/// Draws histograms of the cells of each material (.png): of the smallest dihedral angle, and of
+/// the ratio of circumradius and shortest edge. Throws InputError if it cannot be written.
 MAMMORAYSTUDY_EXPORT void WriteQualityPicture(const MeshCheck& check,
   const std::vector<std::string>& names, const std::string& path);
 
-/// Draws three plane cuts (.png) through a point, mm; without one through the cell that is nearest
-/// to the middle of the mesh. Throws InputError when it cannot be written.
+/// Draws three plane cuts (.png) through a point, mm, by default through the cell that is nearest
+/// to the middle of the mesh. Throws InputError if it cannot be written.
 MAMMORAYSTUDY_EXPORT void WriteMeshCuts(vtkUnstructuredGrid* mesh,
   const std::optional<Vector3>& point, const std::vector<std::string>& names,
   const std::string& path);

@@ -3,13 +3,11 @@
 
 #include "Private/AskedPlaces.h"
 #include "Private/CaseChecks.h"
-#include "Private/CasePictures.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ScatterData.h"
-#include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/CutTissue.h"
@@ -66,7 +64,17 @@ TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& tab
   return mesh;
 }
 
-/// What the case says where a parameter starts; nothing where it does not.
+/// Throws InputError unless there is one for each mammogram, or none.
+void CheckCount(std::size_t count, const RegistrationCase& input, const std::string& what)
+{
+  if (count > 0 && count != input.Mammograms.size())
+  {
+    throw InputError("expected a " + what + " for each of " +
+      std::to_string(input.Mammograms.size()) + " mammogram(s), found " + std::to_string(count));
+  }
+}
+
+/// The case's start of a parameter. Absent if the case does not give it.
 std::optional<double> GivenStart(const RegistrationCase& input, std::size_t mammogram,
   const PoseParameter& parameter)
 {
@@ -79,12 +87,7 @@ std::optional<double> GivenStart(const RegistrationCase& input, std::size_t mamm
   {
     return values.front();
   }
-  if (values.size() != input.Mammograms.size())
-  {
-    throw InputError(std::string("start: expected a ") + parameter.Name + " for each of " +
-      std::to_string(input.Mammograms.size()) + " mammogram(s), found " +
-      std::to_string(values.size()));
-  }
+  CheckCount(values.size(), input, parameter.Name);
   return values[mammogram];
 }
 
@@ -92,21 +95,22 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
   std::vector<std::string>& warnings)
 {
   BreastPose start;
-  std::array<bool, ParameterCount> given{};
   for (const PoseParameter& parameter : PoseParameters)
   {
-    const std::optional<double> value = GivenStart(input, number, parameter);
-    given[parameter.Index] = value.has_value();
-    start.*parameter.Value = value.value_or(parameter.Start);
-  }
-  if (!given[ThicknessParameter] && mammogram.BodyPartThicknessMm)
-  {
-    start.ThicknessMm = *mammogram.BodyPartThicknessMm;
-  }
-  else if (!given[ThicknessParameter])
-  {
-    warnings.push_back("The header does not say the compressed thickness; " +
-      std::to_string(static_cast<int>(start.ThicknessMm)) + " mm is where the search starts.");
+    const std::optional<double> given = GivenStart(input, number, parameter);
+    const std::optional<double> header = parameter.Index == ThicknessParameter
+      ? mammogram.BodyPartThicknessMm
+      : parameter.Index == RollParameter ? NominalRollDeg(mammogram)
+                                         : std::nullopt;
+    start.*parameter.Value = given ? *given : header.value_or(parameter.Start);
+    if (parameter.InHeader && !given && !header)
+    {
+      warnings.push_back(parameter.Index == ThicknessParameter
+          ? "The header does not say the compressed thickness; " +
+            std::to_string(static_cast<int>(start.ThicknessMm)) + " mm is where the search starts."
+          : "The header does not say the view and side; the search starts from a cranio-caudal "
+            "view.");
+    }
   }
   if (!(start.ThicknessMm > 0))
   {
@@ -115,21 +119,18 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
   }
   CheckUsual(input, ValidRanges::Thickness, start.ThicknessMm, input.Mammograms[number],
     "ThicknessMm");
-  const std::optional<double> nominal = NominalRollDeg(mammogram);
-  if (!given[RollParameter] && nominal)
-  {
-    start.RollDeg = *nominal;
-  }
-  else if (!given[RollParameter])
-  {
-    warnings.push_back("The header does not say the view and side; the search starts from a "
-                       "cranio-caudal view.");
-  }
   return start;
 }
 
-void FreeOnly(const std::vector<std::string>& names, std::vector<RegistrationParameter>& parameters)
+/// Frees the case's parameters, or those that are found by default, and fixes the others.
+void FreeParametersOf(const RegistrationCase& input, const MaterialTable& materials,
+  std::vector<RegistrationParameter>& parameters)
 {
+  std::vector<std::string> names = input.Free.empty() ? FreePoseParameterNames() : input.Free;
+  if (input.Free.empty() && input.Mammograms.size() > 1 && !materials.Glandular().empty())
+  {
+    names.emplace_back(PoseParameters[StiffnessParameter].Name);
+  }
   for (RegistrationParameter& parameter : parameters)
   {
     parameter.Fixed = true;
@@ -140,38 +141,21 @@ void FreeOnly(const std::vector<std::string>& names, std::vector<RegistrationPar
   }
 }
 
-std::vector<std::string> FreeNames(const RegistrationCase& input, const MaterialTable& materials)
-{
-  std::vector<std::string> names = input.Free;
-  if (names.empty())
-  {
-    names = FreePoseParameterNames();
-    if (input.Mammograms.size() > 1 && !materials.Glandular().empty())
-    {
-      names.emplace_back(PoseParameters[StiffnessParameter].Name);
-    }
-  }
-  return names;
-}
-
 /// Begins where an earlier search was, with its starts and bounds, which it may have had to open.
 /// Throws InputError that names the file when it is one of other inputs.
 void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
   const std::string& mammogram, View& view)
 {
-  for (const CaseInput& given : CaseInputs(input, mammogram))
+  for (const ResultInput& given : InputsOf(input, mammogram))
   {
-    if (given.Role == "Lesions" || (given.Role == "MRI" && !input.Study))
+    const auto isOther = [&given](const ResultInput& entry)
+    { return entry.Role == given.Role && entry.Sha256 != given.Sha256; };
+    // What is asked and shown may change: the search does not depend on it.
+    const bool isShown = given.Role == "Lesions" || (given.Role == "MRI" && !input.Study);
+    if (!isShown && std::any_of(earlier.Inputs.begin(), earlier.Inputs.end(), isOther))
     {
-      continue; // what is asked and shown may change, the search does not know it
-    }
-    for (const ResultInput& entry : earlier.Inputs)
-    {
-      if (entry.Role == given.Role && entry.Sha256 != given.Sha256())
-      {
-        throw InputError(input.Resume + ": expected a result of " + given.Files.front() +
-          ", found one of another file");
-      }
+      throw InputError(input.Resume + ": expected a result of the same " + given.Role +
+        ", found one of another file");
     }
   }
   for (RegistrationParameter& parameter : view.Parameters)
@@ -194,29 +178,13 @@ void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
   }
 }
 
-/// Throws InputError unless there is one for each mammogram, or none.
-void CheckCount(const std::vector<std::string>& given, const RegistrationCase& input,
-  const char* what)
-{
-  if (!given.empty() && given.size() != input.Mammograms.size())
-  {
-    throw InputError("expected a " + std::string(what) + " for each of " +
-      std::to_string(input.Mammograms.size()) + " mammogram(s), found " +
-      std::to_string(given.size()));
-  }
-}
-
 /// Reads the mammograms into the result, each with its start.
 void ReadMammograms(const RegistrationCase& input, RegistrationCaseResult& result)
 {
-  CheckCount(input.Masks, input, "mask");
-  CheckCount(input.MammogramViews, input, "view");
-  const std::vector<std::string> free = FreeNames(input, result.Materials);
-  std::vector<SearchPoint> resumed;
-  if (!input.Resume.empty())
-  {
-    resumed = ReadSearchPoints(input.Resume);
-  }
+  CheckCount(input.Masks.size(), input, "mask");
+  CheckCount(input.MammogramViews.size(), input, "view");
+  const std::vector<SearchPoint> resumed =
+    input.Resume.empty() ? std::vector<SearchPoint>{} : ReadSearchPoints(input.Resume);
   if (!input.Resume.empty() && resumed.size() != input.Mammograms.size())
   {
     throw InputError(input.Resume + ": expected a result of " +
@@ -233,7 +201,7 @@ void ReadMammograms(const RegistrationCase& input, RegistrationCaseResult& resul
     view.Parameters =
       DefaultParameters(StartOf(input, number, registered.Mammogram, registered.Warnings));
     view.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
-    FreeOnly(free, view.Parameters);
+    FreeParametersOf(input, result.Materials, view.Parameters);
     if (!input.Resume.empty())
     {
       ResumeFrom(input, resumed[number], path, view);
@@ -255,7 +223,7 @@ SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
   std::vector<SearchPoint> points;
   for (const std::string& mammogram : input.Mammograms)
   {
-    points.push_back({ HashedInputs(input, mammogram), {} });
+    points.push_back({ InputsOf(input, mammogram), {} });
   }
   return [&input, &failure, points](const std::vector<const ViewResult*>& found) mutable
   {
@@ -318,70 +286,7 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
     SegmentStudy(*input.Study, result.Materials, progress, input.Labels.AcceptUnusual));
   return result.Tissue->Breast;
 }
-}
 
-std::string CaseInput::Sha256() const
-{
-  return this->Files.size() == 1 ? Sha256OfFile(this->Files.front()) : Sha256OfFiles(this->Files);
-}
-
-std::string ShownName(const std::string& path, bool named)
-{
-  namespace fs = std::filesystem;
-  std::error_code code;
-  const fs::path whole = fs::weakly_canonical(path, code);
-  // A folder may be named with a slash at its end.
-  const fs::path file = whole.has_filename() ? whole : whole.parent_path();
-  const fs::path within = file.lexically_relative(fs::weakly_canonical(DataDirectory(), code));
-  const bool isShipped = !within.empty() && *within.begin() != "..";
-  return named || isShipped ? file.filename().string() : '*' + file.extension().string();
-}
-
-std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::string& mammogram)
-{
-  std::vector<CaseInput> inputs;
-  const auto add = [&](const char* role, const std::string& path) {
-    inputs.push_back({ role, ShownName(path, input.NameInputs), { path } });
-  };
-  if (input.Study)
-  {
-    const StudyChoice& study = *input.Study;
-    for (const auto& [role, series] : { std::pair{ "MRI without fat suppression", &study.Plain },
-           { "MRI with fat suppression", &study.FatSuppressed }, { "MRI", &study.Undetermined } })
-    {
-      if (*series)
-      {
-        inputs.push_back({ role, (*series)->Description, (*series)->Files });
-      }
-    }
-  }
-  else
-  {
-    add("Label volume", input.Labels.Path);
-  }
-  add(MaterialTableRole, FindMaterialTablePath(input.Materials));
-  add(MammogramRole, mammogram);
-  for (const auto& [role, path] :
-    { std::pair{ "MRI", &input.Image }, { "Lesions", &input.Lesions } })
-  {
-    if (!path->empty())
-    {
-      add(role, *path);
-    }
-  }
-  if (!input.AnatomyMesh.empty())
-  {
-    add("Anatomy mesh", input.AnatomyMesh);
-  }
-  if (!input.SimulationMesh.empty())
-  {
-    add("Simulation mesh", input.SimulationMesh);
-  }
-  return inputs;
-}
-
-namespace
-{
 /// What the case says of scatter, for its beam.
 std::optional<ScatterModel> MakeScatter(const RegistrationCase& input, double supportHeightMm)
 {
@@ -397,6 +302,18 @@ std::optional<ScatterModel> MakeScatter(const RegistrationCase& input, double su
   return ScatterModel(FindScatterKernels(), FindSpectrum(input.Spectrum),
     DetectorResponse::EnergyIntegrating, input.Scatter->AirGapMm.value_or(supportHeightMm), grid);
 }
+}
+
+std::string ShownName(const std::string& path, bool named)
+{
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::path whole = fs::weakly_canonical(path, code);
+  // A folder may be named with a slash at its end.
+  const fs::path file = whole.has_filename() ? whole : whole.parent_path();
+  const fs::path within = file.lexically_relative(fs::weakly_canonical(DataDirectory(), code));
+  const bool isShipped = !within.empty() && *within.begin() != "..";
+  return named || isShipped ? file.filename().string() : '*' + file.extension().string();
 }
 
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
@@ -429,8 +346,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   breast.XRays =
     MakeBeam(result.Materials, FindSpectrum(input.Spectrum), DetectorResponse::EnergyIntegrating);
   breast.Scatter = MakeScatter(input, result.Views.front().View.Unit.SupportHeightMm);
-  breast.Projector =
-    MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
+  breast.Projector = MakeProjector(input.Projector);
   result.Device = breast.Projector->DeviceName() + ", " + MethodName(breast.Projector->Method());
   ReportProgress(progress, 0, "read");
   ReadAsked(input, result);

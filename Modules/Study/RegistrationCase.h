@@ -13,6 +13,7 @@
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/LabelSource.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayStudyModule.h"
 
 #include <array>
@@ -26,110 +27,103 @@ namespace mammoray
 struct StudyChoice;
 struct StudyTissue;
 
-/// What synthetic mammograms have of scatter: by kernels.
+/// Scatter in synthetic mammograms, by kernels.
 struct RegisteredScatter
 {
-  /// From the back of the tissue to the detector, 0 to 200 mm; nothing: as high as the unit's
-  /// support.
+  /// From the back of the tissue to the detector, 0 to 200 mm. Absent: the height of the support.
   std::optional<double> AirGapMm;
-  /// AntiscatterGridOptions::OfLead; nothing: no grid.
+  /// Anti-scatter grid as in AntiscatterGridOptions::OfLead. Absent: no grid.
   std::optional<std::array<double, 3>> Grid;
   std::string Interspace = "fibre";
 };
 
-/// Everything that says what is registered to what, by files; the members carry the defaults.
+/// Inputs of a registration, by files, and its options. The members have the defaults.
 struct RegistrationCase
 {
-  /// A clinic's export whose MRI is segmented in place of Labels (TakeStudy); null: none.
+  /// A clinic's export whose MRI is segmented in place of Labels (TakeStudy). Null: none.
   std::shared_ptr<const StudyChoice> Study;
-  /// Finer label volumes are resampled to 0.5 mm unless told otherwise.
+  /// By default, finer label volumes are resampled to 0.5 mm.
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
   /// Material table: a path (.json) or the name of a shipped one.
   std::string Materials;
-  /// DICOM MG, one exposure or the projections of a tomosynthesis (ReadProjections) each; more than
-  /// one of the same breast are registered together.
+  /// DICOM MG, one exposure or the projections of a tomosynthesis (ReadProjections) each. Several
+  /// mammograms of one breast are registered together.
   std::vector<std::string> Mammograms;
-  /// Of mammograms that are pictures (.jpg, .png), and in place of what a header says: mm at the
-  /// receptor; "CC", "MLO", ..., one for each mammogram; 'L' or 'R'.
+  /// Pixel size at the receptor, mm; views ("CC", "MLO", ...), one for each mammogram; the side,
+  /// 'L' or 'R'. They replace what a header says, and are required of pictures (.jpg, .png).
   std::optional<double> PixelSpacingMm;
   std::vector<std::string> MammogramViews;
   std::string Laterality;
-  /// Images that are not 0 where a mammogram is not to be compared (ExcludeByImage), one for each.
+  /// One image for each mammogram, which is not compared where the image is not 0 (ExcludePixels).
   std::vector<std::string> Masks;
   /// How mammograms are outlined, and what of them is compared.
   TargetOptions Targets;
   /// Spectrum: a path (.spc) or the name of a shipped one.
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  /// What scatters onto the synthetic mammograms (ScatterModel); nothing: primary radiation alone.
+  /// Absent: primary radiation alone.
   std::optional<RegisteredScatter> Scatter;
   /// Directions of the volume's axes (AnatomicalAxes::FromCode).
   std::string Orientation = "LPS";
-  /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
+  /// Meshes made before (mammoray mesh). Empty: they are made from the labels.
   std::string AnatomyMesh;
   std::string SimulationMesh;
-  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes
-  /// one that gives 3000 to 6000 cells.
+  /// Upper bounds of cell sizes, mm. They decide the time that a registration takes. 0 for the
+  /// mechanics: a size that gives 3000 to 6000 cells.
   double AnatomyCellSizeMm = 4.0;
   double SimulationCellSizeMm = 0.0;
-  /// Part of a Vulkan device's name; empty: the most capable one.
-  std::string Device;
-  /// "auto", "ray-tracing" or "rasterisation"; see ProjectorOptions::Method.
-  std::string Projector = "auto";
+  ProjectorOptions Projector;
 
-  /// The unit; what the header says about it wins unless given here.
+  /// The unit. These distances replace those of the header; absent, the header's or
+  /// MammographyUnit's count.
   std::optional<double> SourceToDetectorMm;
   std::optional<double> SupportHeightMm;
   double SupportEdgeMm = 0.0;
   double PaddleEdgeMm = 0.0;
   double EdgeRadiusMm = SearchedEdgeRadiusMm;
 
-  /// How the patient lay in the volume: the breast is unloaded of the weight it hangs or lies under
-  /// there, and compressed under that of the standing patient. None: the volume is free of load.
+  /// How the patient lay in the volume. The breast is unloaded of the weight that it had there, and
+  /// compressed under that of the standing patient. Absent: the volume is free of load.
   std::optional<PatientPosition> ImagePosition;
   ChestWallMode ChestWall = ChestWallMode::Fixed;
 
-  /// Where the search starts, and where stays what is not free: of each of PoseParameters one value
-  /// for each mammogram, or one for all where headers do not tell it. Empty: what the header says,
-  /// else PoseParameter::Start.
+  /// Start of the search by PoseParameterIndex: a value for each mammogram, or one for all if
+  /// headers do not give the parameter. Parameters that are not free keep it. Empty: the header's
+  /// value, or else PoseParameter::Start.
   std::array<std::vector<double>, ParameterCount> Start;
-  /// Names of the parameters that are found; the others keep their start. Empty: those with
-  /// PoseParameter::Free of each mammogram, and, of several mammograms, the stiffness of gland (if
-  /// any), which they share.
+  /// Names of the parameters that are found. Empty: those with PoseParameter::Free, and of several
+  /// mammograms the stiffness of gland (if any), which they share.
   std::vector<std::string> Free;
-  /// Standard deviation of the roll about what the header says, degrees; 0: nothing is assumed.
+  /// Standard deviation of the roll about its start, degrees. 0: no prior.
   double RollSigmaDeg = 0;
-  /// Folder of an earlier result of the same volume, materials and mammogram, or of one that was
-  /// cut off and has a checkpoint, whose pose the search goes on from, in its bounds; or a
-  /// checkpoint itself. Empty: none.
+  /// Folder of an earlier result of the same inputs, or of a run that was cut off and left a
+  /// checkpoint; or a checkpoint. The search goes on from its pose, in its bounds. Empty: none.
   std::string Resume;
-  /// Write the names of the inputs' files and series into results and reports: they may hold the
-  /// patient's name, so they are not written unless asked for. Those of shipped files are.
+  /// Results and reports name the input files and series, which may hold the patient's name.
+  /// Shipped files are always named.
   bool NameInputs = false;
-  /// File that always holds the last accepted step of the search (see CheckpointPath); empty: none.
+  /// File that holds the last accepted step of the search (CheckpointPath). Empty: none.
   std::string Checkpoint;
-  /// What the report begins with: a point of the volume, mm, and each label of a volume of lesions
-  /// (path; its axes are taken as those of Labels); where each mammogram shows them.
+  /// Places that the report shows in each mammogram: a point of the volume, mm, and each label of a
+  /// volume of lesions (path, with the same axes as Labels).
   std::optional<Vector3> Point;
   std::string Lesions;
-  /// MRI in the frame of Labels (path), which the report shows around them and the result keeps; a
-  /// study has its own. Empty: tissues are shown in colour.
+  /// MRI in the frame of Labels (path), which the report shows around these places and the result
+  /// keeps. A study has its own. Empty: tissues are shown in colour.
   std::string Image;
-  /// The report says patient and study, as the first mammogram's header names them.
+  /// The report names patient and study, as the first mammogram's header does.
   bool NamePatient = false;
-  /// The search itself.
   RegistrationOptions Options;
 };
 
-/// A mammogram of a case, and what a run made of it.
+/// A mammogram of a case and its registration.
 struct RegisteredView
 {
-  /// Of the mammogram.
   std::string Path;
-  /// Of a tomosynthesis its middle projection.
+  /// The middle projection of a tomosynthesis.
   mammoray::Mammogram Mammogram;
   mammoray::View View;
   ViewResult Registration;
-  /// What had to be assumed, a sentence each.
+  /// Assumptions and notes of the search, a sentence each.
   std::vector<std::string> Warnings;
 };
 
@@ -137,51 +131,33 @@ struct RegistrationCaseResult
 {
   MaterialTable Materials;
   AnatomicalAxes Axes;
-  /// What a study's MRI was segmented into; null where labels were given.
+  /// Tissue in a study's MRI. Null if labels were given.
   std::shared_ptr<const StudyTissue> Tissue;
-  /// Where something was asked for: what was registered, material indices, and the lesions; null
-  /// where they are not needed.
+  /// If the case asks for places: the registered volume, material indices, and the lesions. Null if
+  /// they are not needed.
   std::shared_ptr<const LabelVolume> Volume;
   std::shared_ptr<const LabelVolume> Lesions;
-  /// The case's Image; null: none was given.
+  /// The case's Image. Null: none.
   std::shared_ptr<const IntensityVolume> Image;
   Vector3 Anchor{ 0, 0, 0 };
-  /// At rest, volume frame.
+  /// Uncompressed, volume frame.
   TetrahedralMesh Anatomy;
   /// In the order of the case's mammograms.
   std::vector<RegisteredView> Views;
-  /// What all of them had free, and its covariance (RegistrationResult).
+  /// See RegistrationResult.
   std::vector<FreeParameter> FreeParameters;
   std::vector<double> Covariance;
   /// Name of the projecting device, and the method.
   std::string Device;
   std::size_t SimulationCells = 0;
   std::size_t SurfaceTriangles = 0;
-  /// Stage -> wall time, s, in the order they ran.
+  /// Name and wall time, s, of each stage, in the order they ran.
   std::vector<std::pair<std::string, double>> Timings;
 };
 
-/// What a case is made from: a file, or the files of a series.
-struct CaseInput
-{
-  /// What it is used for (ResultInput::Role).
-  std::string Role;
-  /// Of the file or folder, without the folder it is in, where it is named
-  /// (RegistrationCase::NameInputs) or a shipped one, else "*" and the file's extension; a series'
-  /// description.
-  std::string Name;
-  std::vector<std::string> Files;
-
-  /// SHA-256 of all its bytes. Throws InputError when they cannot be read.
-  std::string Sha256() const;
-};
-
-/// How results call an input file: see CaseInput::Name.
+/// Name of an input file in results: its name without the folder if `named`
+/// (RegistrationCase::NameInputs) or if it is a shipped file, else "*" and its extension.
 MAMMORAYSTUDY_EXPORT std::string ShownName(const std::string& path, bool named);
-
-/// What was given, with one of the mammograms.
-MAMMORAYSTUDY_EXPORT std::vector<CaseInput> CaseInputs(const RegistrationCase& input,
-  const std::string& mammogram);
 
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,

@@ -16,8 +16,6 @@
 
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
-#include "vtkImageData.h"
-#include "vtkMetaImageWriter.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
@@ -29,9 +27,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <optional>
-#include <string_view>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -41,33 +40,18 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/// All that WriteInto writes, in any folder.
-constexpr std::array<std::string_view, 12> ResultFolderFiles{ "uncompressed.vtu", "compressed.vtu",
-  "synthetic.mha", "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png",
-  "difference.png", "convergence.svg", "report.html", ResultFileName };
-
 void WriteSynthetic(const RegisteredView& registered, const std::string& path)
 {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(registered.View.Target.Grid.Columns, registered.View.Target.Grid.Rows, 1);
-  image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
-  image->AllocateScalars(VTK_FLOAT, 1);
-  std::copy(registered.Registration.Synthetic.LogAttenuation.begin(),
-    registered.Registration.Synthetic.LogAttenuation.end(),
-    static_cast<float*>(image->GetScalarPointer()));
-  vtkNew<vtkMetaImageWriter> writer;
-  writer->SetInputData(image);
-  writer->SetCompression(true);
-  WriteAtomicFile(path,
-    [&](const std::string& staged)
-    {
-      writer->SetFileName(staged.c_str());
-      writer->Write();
-      if (writer->GetErrorCode() != 0)
-      {
-        throw InputError(path + ": cannot be written");
-      }
-    });
+  const ReceptorGrid& grid = registered.View.Target.Grid;
+  IntensityVolume image;
+  image.Size = { grid.Columns, grid.Rows, 1 };
+  image.Spacing = { registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1 };
+  image.Voxels = registered.Registration.Synthetic.LogAttenuation;
+  // A volume must be finite. Report pictures show other values as air, too.
+  std::replace_if(
+    image.Voxels.begin(), image.Voxels.end(), [](float value) { return !std::isfinite(value); },
+    0.0F);
+  WriteIntensityVolume(image, path);
 }
 
 /// Share of the breast's picture that is not compared, [0, 1].
@@ -108,10 +92,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
       { registered.View.Projections[other].FocalSpotMm, found.ProjectionsAfter[other] });
   }
   file.Misfit = found.Misfit;
-  if (found.Expected)
-  {
-    file.Expected = *found.Expected;
-  }
+  file.Expected = found.Expected.value_or(file.Expected);
   file.Converged = found.Converged;
   file.StopReason = found.StopReason;
   file.Evaluations = found.Evaluations;
@@ -131,7 +112,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Mammogram.Pixels.clear();
   file.ShareExcluded = ShareExcluded(target);
   file.Warnings = registered.Warnings;
-  file.Inputs = HashedInputs(input, registered.Path);
+  file.Inputs = InputsOf(input, registered.Path);
   file.Spectrum = fs::path(input.Spectrum).has_extension()
     ? ShownName(input.Spectrum, input.NameInputs)
     : input.Spectrum;
@@ -180,36 +161,33 @@ ReportSection ProjectionSection(const RegisteredView& registered)
   return section;
 }
 
-/// "2024-03-01" of DICOM's 20240301; empty where it is no such date.
+/// "2024-03-01" for DICOM's 20240301. Empty if it is no such date: it may be a name.
 std::string DateText(const std::string& date)
 {
-  // What is none may be a name.
   const bool isDate = date.size() == 8 && date.find_first_not_of("0123456789") == std::string::npos;
-  return isDate ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6)
-                : std::string();
+  return isDate ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6) : "";
 }
 
-/// When the pictures were made; of whom only where that is wanted.
+/// When the pictures were made, and of whom if the case asks for it.
 std::vector<std::pair<std::string, std::string>> ExaminationOf(const RegistrationCase& input,
-  const std::string& mammogram)
+  const RegisteredView& registered)
 {
   std::vector<std::pair<std::string, std::string>> lines;
   const auto add = [&](const char* name, const std::string& text)
   {
     if (!text.empty())
     {
-      lines.emplace_back(name, text);
+      lines.emplace_back(name, EscapeControls(text));
     }
   };
-  if (input.Study)
+  if (input.Study && input.Study->Mri())
   {
-    const std::optional<StudySeries>& mri = input.Study->Mri();
-    add("MRI of", mri ? DateText(mri->Date) : "");
+    add("MRI of", DateText(input.Study->Mri()->Date));
   }
   std::optional<DicomHeader> header;
   try
   {
-    header = ReadDicomHeader(mammogram);
+    header = ReadDicomHeader(registered.Path);
   }
   catch (const InputError&) // it was a picture without a header
   {
@@ -221,10 +199,10 @@ std::vector<std::pair<std::string, std::string>> ExaminationOf(const Registratio
       DateText(header->AcquisitionDate.empty() ? identity.StudyDate : header->AcquisitionDate));
     if (input.NamePatient)
     {
-      add("patient", EscapeControls(identity.PatientName));
-      add("ID", EscapeControls(identity.PatientId));
-      add("born", DateText(EscapeControls(identity.PatientBirthDate)));
-      add("accession number", EscapeControls(identity.AccessionNumber));
+      add("patient", identity.PatientName);
+      add("ID", identity.PatientId);
+      add("born", DateText(identity.PatientBirthDate));
+      add("accession number", identity.AccessionNumber);
     }
   }
   return lines;
@@ -297,7 +275,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     RegistrationReport& told = report.Mammograms.emplace_back();
     told.Registered = &registered;
     told.File = &files.back();
-    told.Examination = ExaminationOf(input, registered.Path);
+    told.Examination = ExaminationOf(input, registered);
     told.Asked = asked;
     told.Places = PlacesIn(input, result, asked, breast);
     told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
@@ -326,23 +304,23 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
   WriteResultFile(joint, folder);
 }
 
-/// The first thing in the folder of an earlier result that no result has; nothing where there is
-/// none.
+/// The first entry of a result's folder, or of a mammogram's folder in it, that no result has.
 std::optional<fs::path> FindForeign(const fs::path& folder)
 {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
   {
-    const std::string name = entry.path().filename().string();
-    if (entry.is_directory() && !entry.is_symlink() && fs::exists(entry.path() / ResultFileName))
+    const fs::path& path = entry.path();
+    const bool isFolder = entry.is_directory() && !entry.is_symlink();
+    if (isFolder && fs::exists(path / ResultFileName))
     {
-      if (auto foreign = FindForeign(entry.path()))
+      if (auto foreign = FindForeign(path))
       {
         return foreign;
       }
     }
-    else if (!entry.is_regular_file() || !IsFileOfResult(name))
+    else if (!entry.is_regular_file() || !IsFileOfResult(path.filename().string()))
     {
-      return entry.path();
+      return path;
     }
   }
   return std::nullopt;
@@ -386,11 +364,8 @@ vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResu
 
 std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result)
 {
-  if (result.Views.size() == 1)
-  {
-    return { "" };
-  }
   std::vector<std::string> folders;
+  std::map<std::string, int> counts;
   for (const RegisteredView& registered : result.Views)
   {
     std::string name;
@@ -402,21 +377,19 @@ std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result)
       }
     }
     name = name.empty() ? "view" : name;
-    std::string unique = name;
-    for (int number = 2; std::find(folders.begin(), folders.end(), unique) != folders.end();
-         ++number)
-    {
-      unique = name + "-" + std::to_string(number);
-    }
-    folders.push_back(unique);
+    const int number = ++counts[name];
+    folders.push_back(number > 1 ? name + "-" + std::to_string(number) : name);
   }
-  return folders;
+  return folders.size() == 1 ? std::vector<std::string>{ "" } : folders;
 }
 
 bool IsFileOfResult(const std::string& name)
 {
-  return std::find(ResultFolderFiles.begin(), ResultFolderFiles.end(), name) !=
-    ResultFolderFiles.end();
+  // All that WriteInto writes.
+  static const std::set<std::string> names{ "uncompressed.vtu", "compressed.vtu", "synthetic.mha",
+    "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png", "difference.png",
+    "convergence.svg", "report.html", ResultFileName };
+  return names.count(name) > 0;
 }
 
 std::string CheckpointPath(const std::string& folder)
@@ -428,27 +401,24 @@ std::string CheckpointPath(const std::string& folder)
 void CheckResultFolder(const std::string& path, bool overwrite)
 {
   const fs::path folder(path);
-  if (fs::is_directory(folder) && fs::is_empty(folder))
-  {
-    ReserveFolder(path);
-    return;
-  }
-  if (fs::exists(folder))
+  const std::string output = "output " + path + ": ";
+  const bool isEmpty = fs::is_directory(folder) && fs::is_empty(folder);
+  if (fs::exists(folder) && !isEmpty)
   {
     if (!overwrite)
     {
-      throw InputError("output " + path + ": exists already", { "Output", path, { "Overwrite" } });
+      throw InputError(output + "exists already", { "Output", path, { "Overwrite" } });
     }
     if (!fs::is_directory(folder) || !fs::exists(folder / ResultFileName))
     {
-      throw InputError("output " + path +
-        ": expected an earlier result (a folder with result.json) to overwrite, found something "
+      throw InputError(output +
+        "expected an earlier result (a folder with result.json) to overwrite, found something "
         "else");
     }
     if (const auto foreign = FindForeign(folder))
     {
-      throw InputError("output " + path +
-        ": expected nothing but an earlier result, which is replaced as a whole, found " +
+      throw InputError(output +
+        "expected nothing but an earlier result, which is replaced as a whole, found " +
         foreign->lexically_relative(folder).string() + "; it can be moved elsewhere");
     }
   }

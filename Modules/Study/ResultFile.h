@@ -81,7 +81,7 @@ struct ResultInput
   /// suppression"; "Material table", "Mammogram", "MRI" of labels, "Lesions", "Anatomy mesh" or
   /// "Simulation mesh".
   std::string Role;
-  /// CaseInput::Name.
+  /// ShownName; of a series its description.
   std::string File;
   /// Sha256OfFile; of an MRI, Sha256OfFiles.
   std::string Sha256;

@@ -17,7 +17,7 @@ struct BreastInUnit;
 struct ResultFile;
 struct StudyTruth;
 
-/// Where a method, any method, places a point of a virtual study's MRI in a mammogram.
+/// Position at which a method, any method, finds a point of a virtual study's MRI in a mammogram.
 struct StudyAnswer
 {
   /// "CC" or "MLO".
@@ -26,7 +26,7 @@ struct StudyAnswer
   std::size_t Point = 0;
   /// Continuous column and row of the mammogram's file; pixel centres at whole numbers.
   std::array<double, 2> Pixel{ 0, 0 };
-  /// In the gantry frame, mm, from a method that also finds the depth.
+  /// Position in the gantry frame, mm. Absent if the method does not find the depth.
   std::optional<Vector3> Gantry;
 };
 
@@ -45,11 +45,11 @@ MAMMORAYSTUDY_EXPORT void WriteStudyAnswers(const std::vector<StudyAnswer>& answ
 /// Distances of points from their true places in one mammogram, one entry for each point, mm.
 struct PointErrors
 {
-  /// In the gantry frame; empty for a method that does not find the depth.
+  /// In the gantry frame. Empty for a method that does not find the depth.
   std::vector<double> InSpaceMm;
-  /// Of the shadows on the receptor.
+  /// On the receptor, between the shadows.
   std::vector<double> OnReceptorMm;
-  /// Along gantry z, which is nearly the direction of the beam and the worst determined one.
+  /// Along gantry z, nearly the direction of the beam, in which positions are least determined.
   std::vector<double> AlongBeamMm;
 };
 
@@ -57,8 +57,8 @@ struct PointErrors
 struct AnswerScore
 {
   std::string View;
-  /// Of points whose shadow is in the mammogram, and of those behind the receptor's edge, which
-  /// nobody can look for in it.
+  /// Points whose shadow is in the mammogram, and points behind the receptor's edge, which nobody
+  /// can look for in it.
   PointErrors Imaged;
   PointErrors Behind;
   /// Number of points that the mammogram shows and that have no answer.

@@ -24,20 +24,20 @@ struct TrueView
   /// The thickness in the mammogram's header, mm.
   double HeaderThicknessMm = 0;
   double PaddleForceN = 0;
-  /// Of each point: position in the gantry frame, mm; of its shadow on the receptor, mm (y < 0: it
-  /// falls behind the receptor's edge); continuous column and row of the image.
+  /// For each point its position in the gantry frame, mm; its shadow on the receptor, mm (y < 0: it
+  /// falls behind the receptor's edge); and continuous column and row of the image.
   std::vector<Vector3> Gantry;
   std::vector<std::array<double, 2>> Receptor;
   std::vector<std::array<double, 2>> Pixels;
 };
 
-/// The truth of a virtual study, which `truth.json` holds.
+/// The truth of a virtual study (`truth.json`).
 struct StudyTruth
 {
   /// The patient's own side, 'L' or 'R'.
   char Laterality = 'L';
   std::uint32_t Seed = 0;
-  /// Whose headers the MRI has: "siemens", "ge" or "philips".
+  /// The maker whose headers the MRI has: "siemens", "ge" or "philips".
   std::string Scanner = "siemens";
   /// Names of the materials, and the factors on the table's Young's moduli.
   std::vector<std::string> Materials;

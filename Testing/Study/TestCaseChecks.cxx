@@ -3,7 +3,6 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/Intake.h"
 #include "mammoray/Study/Private/CaseChecks.h"
-#include "mammoray/Study/Private/CasePictures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

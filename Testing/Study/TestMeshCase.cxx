@@ -71,7 +71,7 @@ TEST_F(MeshCaseTest, SizesOfMaterialsGoByName)
   EXPECT_EQ(options.FacetDistanceOfMaterialMm.count(2), 1u);
   this->Input.Thin = { "none" };
   EXPECT_TRUE(RunMeshCase(this->Input).Options.FacetDistanceOfMaterialMm.empty());
-  this->Input.FacetDistanceOfMm = { { "bone", 0.3 } };
+  this->Input.FacetSizeOfMm = { { "bone", 0.3 } };
   EXPECT_THROW(RunMeshCase(this->Input), InputError);
 }
 

@@ -3,6 +3,7 @@
 #include "MadeUpStudy.h"
 #include "Refusals.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/Study/Private/Checkpoint.h"
 #include "mammoray/Study/StudyCase.h"
 
 #include <gmock/gmock.h>
@@ -80,22 +81,21 @@ TEST(StudyCase, IsFilledFromTheExport)
   EXPECT_EQ(input.Targets.ChestWallMarginMm, StudyChestWallMarginMm);
   EXPECT_EQ(input.RollSigmaDeg, StudyRollSigmaDeg);
 
-  const std::vector<CaseInput> inputs = CaseInputs(input, input.Mammograms[0]);
+  const std::vector<ResultInput> inputs = InputsOf(input, input.Mammograms[0]);
   ASSERT_EQ(inputs.size(), 3u);
   EXPECT_EQ(inputs[0].Role, "MRI with fat suppression");
   // What somebody wrote into the header is not written anywhere unless it is asked for.
-  EXPECT_EQ(inputs[0].Name, "series 5");
-  EXPECT_EQ(inputs[0].Files.size(), 40u);
-  EXPECT_EQ(inputs[0].Sha256().size(), 64u);
-  EXPECT_EQ(inputs[1].Name, "segment.json");
+  EXPECT_EQ(inputs[0].File, "series 5");
+  EXPECT_EQ(inputs[0].Sha256.size(), 64u);
+  EXPECT_EQ(inputs[1].File, "segment.json");
   EXPECT_EQ(inputs[2].Role, "Mammogram");
-  EXPECT_THAT(inputs[2].Name, testing::StartsWith("*"));
+  EXPECT_THAT(inputs[2].File, testing::StartsWith("*"));
   RegistrationCase naming;
   naming.NameInputs = true;
   TakeStudy(study.Folder(), 'L', naming);
-  const std::vector<CaseInput> named = CaseInputs(naming, naming.Mammograms[0]);
-  EXPECT_EQ(named[0].Name, "t1_fl3d_tra_spair_pre");
-  EXPECT_EQ(named[2].Name, std::filesystem::path(naming.Mammograms[0]).filename().string());
+  const std::vector<ResultInput> named = InputsOf(naming, naming.Mammograms[0]);
+  EXPECT_EQ(named[0].File, "t1_fl3d_tra_spair_pre");
+  EXPECT_EQ(named[2].File, std::filesystem::path(naming.Mammograms[0]).filename().string());
 
   // A table of the user's own stays.
   input.Materials = "mine.json";

@@ -152,9 +152,7 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   const std::vector<Lesion> lesions =
     result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>();
   const std::size_t points = asked.size() - lesions.size();
-  const auto projector = result.Lesions
-    ? MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device })
-    : nullptr;
+  const auto projector = result.Lesions ? MakeProjector(input.Projector) : nullptr;
   for (std::size_t index = 0; index < asked.size(); ++index)
   {
     try

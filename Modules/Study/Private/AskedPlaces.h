@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a case is asked to find, from the question to what the report tells of it.
+// Places that a case asks for, from the input files to the report.
 #ifndef mammoray_AskedPlaces_h
 #define mammoray_AskedPlaces_h
 
@@ -14,26 +14,26 @@ namespace mammoray
 /// Reads the case's lesions and image into its result. Throws InputError that names the file.
 void ReadAsked(const RegistrationCase& input, RegistrationCaseResult& result);
 
-/// Keeps the volume that is registered where something was asked for. Throws InputError where the
-/// point, or half of a lesion, lies outside its tissue: hours before the search could tell.
+/// Keeps the registered volume in the result if the case asks for places. Throws InputError if the
+/// point, or half of a lesion, lies outside of its tissue: hours before the search could tell.
 void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
   RegistrationCaseResult& result);
 
-/// What was asked for, the point first, with slices through each.
+/// The places that the case asks for, the point first, with slices through each.
 std::vector<AskedPlace> AskedOf(const RegistrationCase& input,
   const RegistrationCaseResult& result);
 
-/// The breast of one mammogram, whose result file is `file`, as its folder will hold it.
+/// The breast of one mammogram. `file`: the contents of its result file.
 RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered,
   const ResultFile& file);
 
-/// Where one mammogram, whose breast is BreastOf, shows each of them. What cannot be found
-/// there says so. Throws DeviceError.
+/// Where one mammogram shows the places; `breast`: its BreastOf. A place that is not found says
+/// why. Throws DeviceError.
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   const RegistrationCaseResult& result, const std::vector<AskedPlace>& asked,
   const RegisteredBreast& breast);
 
-/// The breast between the plates, with what was asked for.
+/// Picture of the breast between the plates, with the places.
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   const RegisteredView& registered, const std::vector<AskedPlace>& asked,
   const RegisteredBreast& registeredBreast);

@@ -1,36 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CaseChecks.h"
 
-#include "Private/HeaderRules.h"
-#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Study/LabelSource.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace mammoray
 {
 namespace
 {
-const char* NameOfSide(char laterality)
+std::string NameOfSide(char laterality)
 {
   return laterality == 'L' ? "left" : "right";
+}
+
+std::string Whole(double value)
+{
+  return std::to_string(std::lround(value));
 }
 
 std::string PathOfTissue(const RegistrationCase& input)
 {
   return input.Study ? std::string("the study's MRI") : input.Labels.Path;
-}
-
-/// Which breast the picture is of by how mammograms are hung; nothing of one turned by 90 degrees.
-std::optional<char> HungAs(const RegistrationTarget& target)
-{
-  const double inward = target.Grid.ColumnStep[1];
-  return inward > 0 ? std::optional('L') : inward < 0 ? std::optional('R') : std::nullopt;
 }
 
 /// Whether a direction along an oblique view's receptor leads to the head and to the middle of the
@@ -42,15 +37,16 @@ bool IsOfOtherBreast(const std::string& direction, char laterality)
   return tells && has('H') != has(laterality);
 }
 
-/// Of what is not air along a direction, mm; nor what is held, where that is told.
-Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::vector<bool>* held)
+/// Extent of tissue along a direction, mm. `all`: with what is held.
+Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::vector<bool>& held,
+  bool all = false)
 {
   Extent extent;
   volume.ForEachVoxel(
     [&](int i, int j, int k, std::size_t voxel)
     {
       const int material = volume.Voxels[voxel];
-      if (material != 0 && !(held && (*held)[static_cast<std::size_t>(material)]))
+      if (material != 0 && (all || !held[static_cast<std::size_t>(material)]))
       {
         extent.Add(Dot(volume.PointAt(i, j, k), direction));
       }
@@ -58,7 +54,7 @@ Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::v
   return extent;
 }
 
-/// From the middle of what is held to the middle of what is not; nothing where one is missing.
+/// From the middle of what is held to the middle of what is not. Absent if one is missing.
 std::optional<Vector3> HeldToFree(const LabelVolume& volume, const std::vector<bool>& held)
 {
   std::array<Vector3, 2> sums{};
@@ -80,23 +76,6 @@ std::optional<Vector3> HeldToFree(const LabelVolume& volume, const std::vector<b
   return (1 / counts[1]) * sums[1] - (1 / counts[0]) * sums[0];
 }
 
-void CheckFront(const RegistrationCase& input, const LabelVolume& materials,
-  const std::vector<bool>& held, const AnatomicalAxes& axes)
-{
-  const std::optional<Vector3> way = HeldToFree(materials, held);
-  // A breast beside a body may lie mostly to the side of the body's middle, but never behind it.
-  if (way && Dot(*way, axes.Anterior) < 0.3 * Norm(*way))
-  {
-    char text[200];
-    std::snprintf(text, sizeof text,
-      "expected the breast in front of what holds it, found it %.0f mm to the left, %.0f mm to the "
-      "front and %.0f mm to the head of that",
-      Dot(*way, axes.Left), Dot(*way, axes.Anterior), Dot(*way, axes.Superior));
-    throw InputError(PathOfTissue(input) + ": " + text,
-      { "Orientation", input.Orientation, { "Orientation", "AcceptUnusual" } });
-  }
-}
-
 void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent& body,
   char laterality)
 {
@@ -104,23 +83,77 @@ void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent
   const double rightOfIt = breast.Low - body.Low;
   constexpr double MuchMm = 100; // an arm's or a chest's width
   const double more = std::max(leftOfIt, rightOfIt);
-  if (more < MuchMm || std::min(leftOfIt, rightOfIt) > 0.5 * more)
+  const char side = rightOfIt > leftOfIt ? 'L' : 'R';
+  if (more >= MuchMm && std::min(leftOfIt, rightOfIt) <= 0.5 * more && laterality != '?' &&
+    laterality != side)
+  {
+    RefuseUnusual(input,
+      PathOfTissue(input) + ": expected the " + NameOfSide(laterality) +
+        " breast, which the mammogram shows, found the " + NameOfSide(side) +
+        " one: " + Whole(leftOfIt) + " mm of the body lie to the left of it, " + Whole(rightOfIt) +
+        " mm to the right",
+      "Laterality", std::string(1, side));
+  }
+}
+
+double AreaCm2(const RegistrationTarget& target)
+{
+  const auto breast = std::count(target.BreastMask.begin(), target.BreastMask.end(), 1);
+  return static_cast<double>(breast) * target.Grid.PixelAreaMm2() / 100;
+}
+
+/// Limits of the picture's volume, area times thickness, over the MRI's breast. Five virtual
+/// studies have 0.44 to 0.77 in CC and 0.51 to 0.85 in MLO: plates do not take all that lies before
+/// the chest wall, and oblique pictures show the pectoral muscle, too.
+struct SizeLimits
+{
+  Extent Usual;
+  Extent Possible;
+};
+constexpr SizeLimits CcLimits{ { 0.3, 1.2 }, { 0.15, 2.0 } };
+constexpr SizeLimits MloLimits{ { 0.3, 1.6 }, { 0.15, 2.5 } };
+/// Area of MLO over that of CC. In those studies it is 0.83 to 1.2.
+constexpr Extent UsualAreaRatio{ 0.55, 2.2 };
+
+bool IsWithin(double value, const Extent& limits)
+{
+  return value >= limits.Low && value <= limits.High;
+}
+
+void CheckSize(const RegistrationCase& input, double breastCm3, double areaCm2,
+  RegisteredView& view)
+{
+  const double picturedCm3 = areaCm2 * view.Mammogram.BodyPartThicknessMm.value_or(0) / 10;
+  if (!(picturedCm3 > 0) || !(breastCm3 > 0))
   {
     return;
   }
-  const char side = rightOfIt > leftOfIt ? 'L' : 'R';
-  if (laterality != '?' && laterality != side)
+  const SizeLimits& limits = view.Mammogram.View == "CC" ? CcLimits : MloLimits;
+  const double ratio = picturedCm3 / breastCm3;
+  if (!IsWithin(ratio, limits.Possible))
   {
-    char text[200];
-    std::snprintf(text, sizeof text,
-      "expected the %s breast, which the mammogram shows, found the %s one: %.0f mm of the body "
-      "lie "
-      "to the left of it, %.0f mm to the right",
-      NameOfSide(laterality), NameOfSide(side), leftOfIt, rightOfIt);
-    throw InputError(PathOfTissue(input) + ": " + text,
-      { "Laterality", std::string(1, side), { "AcceptUnusual" } });
+    RefuseUnusual(input,
+      view.Path + ": expected a picture of the breast in the MRI (" + Whole(breastCm3) +
+        " cm3), found one of " + Whole(picturedCm3) +
+        " cm3 (area times thickness): of another breast, or of a part of it",
+      "Mammograms", view.Path);
+  }
+  if (!IsWithin(ratio, limits.Usual))
+  {
+    view.View.Target.Disagreements.push_back("The picture shows " + Whole(picturedCm3) +
+      " cm3 of breast (area times thickness), the MRI " + Whole(breastCm3) +
+      " cm3: it may be of another breast, or of a part of it.");
   }
 }
+}
+
+void RefuseUnusual(const RegistrationCase& input, const std::string& message,
+  const std::string& field, const std::string& found)
+{
+  if (!input.Labels.AcceptUnusual)
+  {
+    throw InputError(message, { field, found, { "AcceptUnusual" } });
+  }
 }
 
 void CheckUsual(const RegistrationCase& input, const ValidRange& range, double value,
@@ -129,43 +162,6 @@ void CheckUsual(const RegistrationCase& input, const ValidRange& range, double v
   if (!input.Labels.AcceptUnusual)
   {
     CheckValidRange(range, value, path, { remedy, "AcceptUnusual" });
-  }
-}
-
-void CheckWholeBreast(const RegistrationCase& input, const std::string& path)
-{
-  if (input.Labels.AcceptUnusual)
-  {
-    return;
-  }
-  const std::optional<DicomHeader> header = ReadDicomHeader(path);
-  if (const std::string found = header ? WhyNotWholeBreast(*header) : ""; !found.empty())
-  {
-    throw InputError(path + ": expected a mammogram of a whole breast on the receptor, found '" +
-        EscapeControls(found) + "' in its header",
-      { "Mammograms", found, { "AcceptUnusual" } });
-  }
-}
-
-void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views)
-{
-  const RegisteredView& latest = views.back();
-  for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
-  {
-    CheckUsual(input, ValidRanges::PixelSpacing, spacing, latest.Path, "PixelSpacingMm");
-  }
-  const std::vector<float>& pixels = latest.Mammogram.Pixels;
-  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-  for (const RegisteredView& earlier : views)
-  {
-    const std::vector<float>& others = earlier.Mammogram.Pixels;
-    if (&earlier != &latest && !input.Labels.AcceptUnusual &&
-      std::equal(pixels.begin(), pixels.end(), others.begin(), others.end(), same))
-    {
-      throw InputError(latest.Path + ": expected another picture than " + earlier.Path +
-          ", found the same",
-        { "Mammograms", latest.Path, { "AcceptUnusual" } });
-    }
   }
 }
 
@@ -185,40 +181,44 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
     }
   }
   CheckUsual(input, ValidRanges::BreastWidth, across.Length(), view.Path, "PixelSpacingMm");
-  const bool isSided = mammogram.Laterality == 'L' || mammogram.Laterality == 'R';
-  const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
-  if (isSided && isOblique && !input.Labels.AcceptUnusual)
+  if (mammogram.Laterality != 'L' && mammogram.Laterality != 'R')
   {
-    for (const std::string& direction : { mammogram.RowDirection, mammogram.ColumnDirection })
+    return;
+  }
+  const std::string side = NameOfSide(mammogram.Laterality);
+  const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
+  for (const std::string& direction : { mammogram.RowDirection, mammogram.ColumnDirection })
+  {
+    if (isOblique && IsOfOtherBreast(direction, mammogram.Laterality))
     {
-      if (IsOfOtherBreast(direction, mammogram.Laterality))
-      {
-        throw InputError(view.Path + ": expected an oblique view of the " +
-            NameOfSide(mammogram.Laterality) + " breast, found the Patient Orientation '" +
-            direction + "' of the other",
-          { "Laterality", direction, { "AcceptUnusual" } });
-      }
+      RefuseUnusual(input,
+        view.Path + ": expected an oblique view of the " + side +
+          " breast, found the Patient Orientation '" + direction + "' of the other",
+        "Laterality", direction);
     }
   }
+  // By how mammograms are hung. One that is turned by 90 degrees tells nothing.
+  const double inward = target.Grid.ColumnStep[1];
+  const char hung = inward > 0 ? 'L' : 'R';
   const bool isSaid = !input.Study && !input.Laterality.empty();
-  const std::optional<char> hung = HungAs(target);
-  if (isSided && !isSaid && hung && *hung != mammogram.Laterality)
+  if (!isSaid && inward != 0 && hung != mammogram.Laterality)
   {
-    target.Disagreements.push_back(std::string("The header says ") +
-      NameOfSide(mammogram.Laterality) + " breast, but the chest wall is at the " +
-      NameOfSide(*hung) + " edge of the picture, as the " + NameOfSide(*hung) +
+    target.Disagreements.push_back("The header says " + side +
+      " breast, but the chest wall is at the " + NameOfSide(hung) +
+      " edge of the picture, as the " + NameOfSide(hung) +
       " breast is hung: check which breast it is.");
   }
 }
 
 void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
 {
-  if (!input.Labels.AcceptUnusual && Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
+  if (Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
   {
-    throw InputError("orientation " + input.Orientation +
+    RefuseUnusual(input,
+      "orientation " + input.Orientation +
         ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
         "right",
-      { "Orientation", input.Orientation, { "AcceptUnusual" } });
+      "Orientation", input.Orientation);
   }
 }
 
@@ -229,74 +229,27 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
   {
     return;
   }
-  CheckFront(input, materials, held, axes);
+  const std::optional<Vector3> way = HeldToFree(materials, held);
+  // A breast beside a body may lie mostly to the side of the body's middle, but never behind it.
+  if (way && Dot(*way, axes.Anterior) < 0.3 * Norm(*way))
+  {
+    throw InputError(PathOfTissue(input) +
+        ": expected the breast in front of what holds it, found it " + Whole(Dot(*way, axes.Left)) +
+        " mm to the left, " + Whole(Dot(*way, axes.Anterior)) + " mm to the front and " +
+        Whole(Dot(*way, axes.Superior)) + " mm to the head of that",
+      { "Orientation", input.Orientation, { "Orientation", "AcceptUnusual" } });
+  }
   const LabelVolume kept = KeepBreast(materials, held, axes);
   for (const Vector3& direction : { axes.Left, axes.Superior })
   {
-    const Extent breast = ReachOf(kept, direction, &held);
+    const Extent breast = ReachOf(kept, direction, held);
     if (breast.Length() >= 0)
     {
       CheckUsual(input, ValidRanges::BreastWidth, breast.Length(), PathOfTissue(input), "Crop");
     }
   }
-  CheckSide(input, ReachOf(kept, axes.Left, &held), ReachOf(materials, axes.Left, nullptr),
+  CheckSide(input, ReachOf(kept, axes.Left, held), ReachOf(materials, axes.Left, held, true),
     laterality);
-}
-
-namespace
-{
-double AreaCm2(const RegistrationTarget& target)
-{
-  const auto breast = std::count(target.BreastMask.begin(), target.BreastMask.end(), 1);
-  return static_cast<double>(breast) * target.Grid.PixelAreaMm2() / 100;
-}
-
-/// Of the picture's volume, area times thickness, over the MRI's breast. Of the five virtual
-/// studies that the validation begins with: 0.44 to 0.77 in CC, 0.51 to 0.85 in MLO, since plates
-/// do not take all that lies before the chest wall; oblique pictures have the pectoral muscle, too.
-struct SizeLimits
-{
-  double Usual[2];
-  double Possible[2];
-};
-constexpr SizeLimits CcLimits{ { 0.3, 1.2 }, { 0.15, 2.0 } };
-constexpr SizeLimits MloLimits{ { 0.3, 1.6 }, { 0.15, 2.5 } };
-/// Area of MLO over that of CC, in those studies 0.83 to 1.2.
-constexpr double LeastAreaRatio = 0.55;
-constexpr double MostAreaRatio = 2.2;
-
-bool IsWithin(double value, const double (&limits)[2])
-{
-  return value >= limits[0] && value <= limits[1];
-}
-
-void CheckSize(double breastCm3, double areaCm2, RegisteredView& view)
-{
-  const double picturedCm3 = areaCm2 * view.Mammogram.BodyPartThicknessMm.value_or(0) / 10;
-  if (!(picturedCm3 > 0) || !(breastCm3 > 0))
-  {
-    return;
-  }
-  const SizeLimits& limits = view.Mammogram.View == "CC" ? CcLimits : MloLimits;
-  const double ratio = picturedCm3 / breastCm3;
-  char text[256];
-  if (!IsWithin(ratio, limits.Possible))
-  {
-    std::snprintf(text, sizeof text,
-      ": expected a picture of the breast in the MRI (%.0f cm3), found one of %.0f cm3 (area times "
-      "thickness): of another breast, or of a part of it",
-      breastCm3, picturedCm3);
-    throw InputError(view.Path + text, { "Mammograms", view.Path, { "AcceptUnusual" } });
-  }
-  if (!IsWithin(ratio, limits.Usual))
-  {
-    std::snprintf(text, sizeof text,
-      "The picture shows %.0f cm3 of breast (area times thickness), the MRI %.0f cm3: it may be of "
-      "another breast, or of a part of it.",
-      picturedCm3, breastCm3);
-    view.View.Target.Disagreements.emplace_back(text);
-  }
-}
 }
 
 void CheckSizes(const RegistrationCase& input, double breastCm3, std::vector<RegisteredView>& views)
@@ -307,25 +260,26 @@ void CheckSizes(const RegistrationCase& input, double breastCm3, std::vector<Reg
     return;
   }
   double ccCm2 = 0;
-  RegisteredView* mlo = nullptr;
   double mloCm2 = 0;
+  RegisteredView* mlo = nullptr;
   for (RegisteredView& view : views)
   {
     const double areaCm2 = AreaCm2(view.View.Target);
-    CheckSize(breastCm3, areaCm2, view);
-    ccCm2 = view.Mammogram.View == "CC" ? areaCm2 : ccCm2;
-    mlo = view.Mammogram.View == "MLO" ? &view : mlo;
-    mloCm2 = mlo == &view ? areaCm2 : mloCm2;
+    CheckSize(input, breastCm3, areaCm2, view);
+    if (view.Mammogram.View == "CC")
+    {
+      ccCm2 = areaCm2;
+    }
+    else if (view.Mammogram.View == "MLO")
+    {
+      mloCm2 = areaCm2;
+      mlo = &view;
+    }
   }
-  const double ratio = mloCm2 / std::max(1e-9, ccCm2);
-  if (mlo && ccCm2 > 0 && (ratio < LeastAreaRatio || ratio > MostAreaRatio))
+  if (mlo && ccCm2 > 0 && !IsWithin(mloCm2 / ccCm2, UsualAreaRatio))
   {
-    char text[200];
-    std::snprintf(text, sizeof text,
-      "The breast is %.0f cm2 in MLO and %.0f in CC: they may be of two breasts, or one shows a "
-      "part only.",
-      mloCm2, ccCm2);
-    mlo->View.Target.Disagreements.emplace_back(text);
+    mlo->View.Target.Disagreements.push_back("The breast is " + Whole(mloCm2) + " cm2 in MLO and " +
+      Whole(ccCm2) + " in CC: they may be of two breasts, or one shows a part only.");
   }
 }
 }

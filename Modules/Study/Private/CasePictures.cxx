@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/CasePictures.h"
-
 #include "Private/CaseChecks.h"
+#include "Private/HeaderRules.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -31,34 +32,25 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   const Mammogram& mammogram, std::vector<std::string>& warnings)
 {
   MammographyUnit unit;
-  if (mammogram.SourceFootPixel && input.SourceToDetectorMm)
+  const std::optional<double>& given = input.SourceToDetectorMm;
+  const std::optional<double>& header = mammogram.SourceToDetectorMm;
+  if (mammogram.SourceFootPixel && given)
   {
     throw InputError(path +
-      ": expected no other source to detector distance beside projections, "
-      "which each say their own, found one");
+      ": expected no other source to detector distance beside projections, which each say their "
+      "own, found one");
   }
-  if (input.SourceToDetectorMm)
+  if (given && header)
   {
-    unit.SourceToDetectorMm = *input.SourceToDetectorMm;
-    if (mammogram.SourceToDetectorMm)
-    {
-      TellOther("Source to detector distance", unit.SourceToDetectorMm,
-        *mammogram.SourceToDetectorMm, warnings);
-    }
+    TellOther("Source to detector distance", *given, *header, warnings);
   }
-  else if (mammogram.SourceToDetectorMm)
-  {
-    unit.SourceToDetectorMm = *mammogram.SourceToDetectorMm;
-  }
-  else
+  unit.SourceToDetectorMm = given ? *given : header.value_or(unit.SourceToDetectorMm);
+  if (!given && !header)
   {
     warnings.push_back("The header does not say the source to detector distance; " +
       std::to_string(static_cast<int>(unit.SourceToDetectorMm)) + " mm is assumed.");
   }
-  if (input.SupportHeightMm)
-  {
-    unit.SupportHeightMm = *input.SupportHeightMm;
-  }
+  unit.SupportHeightMm = input.SupportHeightMm.value_or(unit.SupportHeightMm);
   if (!(unit.SourceToDetectorMm > 0) || !(unit.SupportHeightMm >= 0))
   {
     throw InputError(
@@ -86,12 +78,12 @@ void Describe(const RegistrationCase& input, const std::string& path,
     mammogram.RowSpacingMm = *given.PixelSpacingMm;
   }
   if (given.Laterality != '?' && mammogram.Laterality != '?' &&
-    given.Laterality != mammogram.Laterality && !input.Labels.AcceptUnusual)
+    given.Laterality != mammogram.Laterality)
   {
-    throw InputError(path + ": expected a mammogram of the " +
-        (given.Laterality == 'L' ? "left" : "right") + " breast, found " + mammogram.Laterality +
-        " in its header",
-      { "Laterality", std::string(1, mammogram.Laterality), { "AcceptUnusual" } });
+    RefuseUnusual(input,
+      path + ": expected a mammogram of the " + (given.Laterality == 'L' ? "left" : "right") +
+        " breast, found " + mammogram.Laterality + " in its header",
+      "Laterality", std::string(1, mammogram.Laterality));
   }
   mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
   if (given.View.empty())
@@ -100,11 +92,47 @@ void Describe(const RegistrationCase& input, const std::string& path,
   }
   const std::optional<double> rollDeg = NominalRollDeg(mammogram);
   const std::string view = std::exchange(mammogram.View, given.View);
-  if (rollDeg && rollDeg != NominalRollDeg(mammogram) && !input.Labels.AcceptUnusual)
+  if (rollDeg && rollDeg != NominalRollDeg(mammogram))
   {
-    throw InputError(path + ": expected a mammogram of the view " + given.View + ", found " + view +
+    RefuseUnusual(input,
+      path + ": expected a mammogram of the view " + given.View + ", found " + view +
         " in its header",
-      { "MammogramViews", view, { "AcceptUnusual" } });
+      "MammogramViews", view);
+  }
+}
+
+/// Throws InputError if the header of a DICOM mammogram says that it does not show a whole breast
+/// (WhyNotWholeBreast).
+void CheckWholeBreast(const RegistrationCase& input, const std::string& path)
+{
+  const std::optional<DicomHeader> header = ReadDicomHeader(path);
+  if (const std::string found = header ? WhyNotWholeBreast(*header) : ""; !found.empty())
+  {
+    RefuseUnusual(input,
+      path + ": expected a mammogram of a whole breast on the receptor, found '" +
+        EscapeControls(found) + "' in its header",
+      "Mammograms", found);
+  }
+}
+
+/// Throws InputError if the last view's picture is an earlier one's, or if its pixels have no
+/// detector's size.
+void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views)
+{
+  const RegisteredView& latest = views.back();
+  for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
+  {
+    CheckUsual(input, ValidRanges::PixelSpacing, spacing, latest.Path, "PixelSpacingMm");
+  }
+  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t number = 0; number + 1 < views.size(); ++number)
+  {
+    if (std::ranges::equal(latest.Mammogram.Pixels, views[number].Mammogram.Pixels, same))
+    {
+      RefuseUnusual(input,
+        latest.Path + ": expected another picture than " + views[number].Path + ", found the same",
+        "Mammograms", latest.Path);
+    }
   }
 }
 

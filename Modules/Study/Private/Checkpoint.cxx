@@ -5,6 +5,9 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/AtomicFile.h"
+#include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include <filesystem>
@@ -63,13 +66,40 @@ std::vector<ResultParameter> ParametersOf(const ViewResult& found)
   return parameters;
 }
 
-std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram)
+std::vector<ResultInput> InputsOf(const RegistrationCase& input, const std::string& mammogram)
 {
   std::vector<ResultInput> inputs;
-  for (const CaseInput& given : CaseInputs(input, mammogram))
+  const auto add = [&](const char* role, const std::string& path)
   {
-    inputs.push_back({ given.Role, given.Name, given.Sha256() });
+    if (!path.empty())
+    {
+      inputs.push_back({ role, ShownName(path, input.NameInputs), Sha256OfFile(path) });
+    }
+  };
+  if (input.Study)
+  {
+    const StudyChoice& study = *input.Study;
+    for (const auto& [role, series] : { std::pair{ "MRI without fat suppression", &study.Plain },
+           { "MRI with fat suppression", &study.FatSuppressed }, { "MRI", &study.Undetermined } })
+    {
+      if (*series)
+      {
+        const std::vector<std::string>& files = (*series)->Files;
+        inputs.push_back({ role, (*series)->Description,
+          files.size() == 1 ? Sha256OfFile(files.front()) : Sha256OfFiles(files) });
+      }
+    }
   }
+  else
+  {
+    add("Label volume", input.Labels.Path);
+  }
+  add(MaterialTableRole, FindMaterialTablePath(input.Materials));
+  add(MammogramRole, mammogram);
+  add("MRI", input.Image);
+  add("Lesions", input.Lesions);
+  add("Anatomy mesh", input.AnatomyMesh);
+  add("Simulation mesh", input.SimulationMesh);
   return inputs;
 }
 

@@ -10,7 +10,7 @@
 
 namespace mammoray
 {
-/// Where a search of one mammogram was, and of which files.
+/// State of the search for one mammogram, and the files that it is about.
 struct SearchPoint
 {
   std::vector<ResultInput> Inputs;
@@ -19,13 +19,16 @@ struct SearchPoint
 
 std::vector<ResultParameter> ParametersOf(const ViewResult& found);
 
-std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram);
+/// The inputs of a case with one of its mammograms. Throws InputError if one cannot be read.
+MAMMORAYSTUDY_EXPORT std::vector<ResultInput> InputsOf(const RegistrationCase& input,
+  const std::string& mammogram);
 
-/// Of all mammograms, into one file, JSON. Throws InputError when it cannot be written.
+/// Writes the state of all mammograms into one JSON file. Throws InputError if it cannot be
+/// written.
 void WriteCheckpoint(const std::vector<SearchPoint>& points, const std::string& path);
 
-/// Of a checkpoint, of the one that a folder has (CheckpointPath), or of the result in the folder.
-/// Throws InputError as ReadResultFile.
+/// Reads a checkpoint, or of a folder its checkpoint (CheckpointPath), or else its result. Throws
+/// as ReadResultFile.
 MAMMORAYSTUDY_EXPORT std::vector<SearchPoint> ReadSearchPoints(const std::string& path);
 }
 

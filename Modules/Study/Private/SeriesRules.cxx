@@ -117,88 +117,88 @@ void FindFatSuppression(StudySeries& series)
   }
 }
 
-enum class Weighting
+/// What makes tissues bright and dark in a series.
+struct Weighting
 {
-  T1,
-  T2,
-  ProtonDensity,
-  InversionRecovery,
-  SteadyState,
-  Unknown
+  /// In front of the sequence's name, with a blank.
+  const char* Short;
+  /// As a reason to leave the series out. Empty for T1.
+  const char* Long;
+  /// What in the header shows it.
+  std::string Evidence;
+
+  static Weighting T1(const std::string& evidence) { return { "T1 ", "", evidence }; }
+  static Weighting T2(const std::string& evidence) { return { "T2 ", "T2-weighted", evidence }; }
+  static Weighting ProtonDensity(const std::string& evidence)
+  {
+    return { "PD ", "proton density", evidence };
+  }
+  static Weighting InversionRecovery(const std::string& evidence)
+  {
+    return { "IR ", "inversion recovery", evidence };
+  }
 };
 
 /// Spin echoes by TR and TE, gradient echoes by TE, both by words where numbers leave it open.
-Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
+Weighting FindWeighting(const DicomHeader& header)
 {
   const std::string words = WordsOf(header);
-  const auto isNamed = [&](HeaderMeaning meaning)
-  {
-    evidence = FindMeaning(words, meaning);
-    const bool found = !evidence.empty();
-    evidence = "description '" + evidence + "'";
-    return found;
-  };
+  const auto quoted = [](const std::string& word) { return "description '" + word + "'"; };
   const double tr = header.RepetitionTimeMs.value_or(0);
   const double te = header.EchoTimeMs.value_or(0);
   const double ti = header.InversionTimeMs.value_or(0);
   const bool inversion = !FindValue(header.ScanningSequence, { "IR" }).empty();
   const bool spin = !FindValue(header.ScanningSequence, { "SE" }).empty() || inversion;
   const bool gradient = !FindValue(header.ScanningSequence, { "GR" }).empty() && !spin;
-  if (isNamed(M::InversionRecovery))
+  if (const std::string word = FindMeaning(words, M::InversionRecovery); !word.empty())
   {
-    return Weighting::InversionRecovery;
+    return Weighting::InversionRecovery(quoted(word));
   }
   if (inversion && ti > 80 && ti < 300 && tr > 1500)
   {
-    evidence = "inversion time of fat";
-    return Weighting::InversionRecovery;
+    return Weighting::InversionRecovery("inversion time of fat");
   }
-  if (isNamed(M::SteadyState))
+  if (const std::string word = FindMeaning(words, M::SteadyState); !word.empty())
   {
-    return Weighting::SteadyState;
+    return { "", "steady state", quoted(word) };
   }
   char numbers[64];
   std::snprintf(numbers, sizeof numbers, "TR %g TE %g ms", tr, te);
-  evidence = numbers;
   // Between these the words decide: the T1 of fat is 0.25-0.4 s, of gland 0.9-1.5 s, their T2
   // 50-70 ms.
   if (spin && tr > 0 && te >= 60)
   {
-    return Weighting::T2;
+    return Weighting::T2(numbers);
   }
   if (spin && tr > 0 && te > 0 && te <= 35 && tr <= 1200)
   {
-    return Weighting::T1;
+    return Weighting::T1(numbers);
   }
-  const bool fastGradient = gradient && te > 0 && te < 8 && tr < 100;
-  if (!fastGradient && isNamed(M::NamedWeighting))
+  const std::string word = FindMeaning(words, M::NamedWeighting);
+  if (!word.empty() && !(gradient && te > 0 && te < 8 && tr < 100))
   {
-    return evidence.find("t1") != std::string::npos ? Weighting::T1
-      : evidence.find("t2") != std::string::npos    ? Weighting::T2
-                                                    : Weighting::ProtonDensity;
+    return word.find("t1") != std::string::npos ? Weighting::T1(quoted(word))
+      : word.find("t2") != std::string::npos    ? Weighting::T2(quoted(word))
+                                                : Weighting::ProtonDensity(quoted(word));
   }
-  evidence = numbers;
   if (gradient && te > 0)
   {
-    return te < 15 ? Weighting::T1 : Weighting::T2;
+    return te < 15 ? Weighting::T1(numbers) : Weighting::T2(numbers);
   }
   if (spin && te > 0)
   {
-    return Weighting::ProtonDensity;
+    return Weighting::ProtonDensity(numbers);
   }
-  const bool isT1 = header.AcquisitionContrast == "T1" || isNamed(M::T1Sequence);
-  return isT1 ? Weighting::T1 : Weighting::Unknown;
+  return header.AcquisitionContrast == "T1" || !FindMeaning(words, M::T1Sequence).empty()
+    ? Weighting::T1("")
+    : Weighting{ "", "not known to be T1-weighted", "neither TR and TE nor the description tell" };
 }
 
-std::string SequenceOf(const DicomHeader& header, Weighting weighting)
+std::string SequenceOf(const DicomHeader& header, const Weighting& weighting)
 {
-  static const std::map<Weighting, std::string> names{ { Weighting::T1, "T1 " },
-    { Weighting::T2, "T2 " }, { Weighting::ProtonDensity, "PD " },
-    { Weighting::InversionRecovery, "IR " }, { Weighting::SteadyState, "" },
-    { Weighting::Unknown, "" } };
-  std::string text = names.at(weighting);
   const bool spin = !FindValue(header.ScanningSequence, { "SE" }).empty();
   const bool gradient = !FindValue(header.ScanningSequence, { "GR" }).empty();
+  std::string text = weighting.Short;
   text += spin ? "spin echo" : gradient ? "gradient echo" : "MR";
   text += header.AcquisitionType.empty() ? "" : " " + header.AcquisitionType;
   const auto add = [&text](const char* name, const std::optional<double>& value)
@@ -212,9 +212,11 @@ std::string SequenceOf(const DicomHeader& header, Weighting weighting)
   return text;
 }
 
-/// Why the header of a slice says that it shows no tissue as it is.
-std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const std::string& evidence)
+/// Why the header of a slice says that it does not show tissue as it is. Empty if it does not.
+std::string WhyNoTissue(const DicomHeader& header, const Weighting& weighting)
 {
+  const auto named = [](std::string_view name, const std::string& evidence)
+  { return std::string(name) + " (" + evidence + ")"; };
   if (header.SamplesPerPixel > 1 || header.SopClassUid.starts_with(SecondaryCaptureClass))
   {
     return "screenshot (colours or secondary capture)";
@@ -223,12 +225,10 @@ std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const st
   {
     return "multi-frame object without functional groups";
   }
-  const auto named = [](const FoundKind& kind, const char* note = "")
-  { return std::string(kind.Name) + " (" + kind.Evidence + note + ")"; };
   const FoundKind other = FindKind(OtherKinds, header.ImageType, WordsOf(header));
   if (!other.Name.empty())
   {
-    return named(other);
+    return named(other.Name, other.Evidence);
   }
   if (header.DiffusionBValue.value_or(0) > 0 ||
     !FindValue(header.ScanningSequence, { "EP" }).empty())
@@ -238,21 +238,13 @@ std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const st
   const FoundKind dixon = FindDixon(header);
   if (dixon.Name == "fat alone")
   {
-    return named(dixon);
+    return named(dixon.Name, dixon.Evidence);
   }
   if (dixon.Name == "opposed phase")
   {
-    return named(dixon, ": fat and water cancel at their borders");
+    return named(dixon.Name, dixon.Evidence + ": fat and water cancel at their borders");
   }
-  static const std::map<Weighting, const char*> names{ { Weighting::T2, "T2-weighted (" },
-    { Weighting::ProtonDensity, "proton density (" },
-    { Weighting::InversionRecovery, "inversion recovery (" },
-    { Weighting::SteadyState, "steady state (" } };
-  const auto name = names.find(weighting);
-  return weighting == Weighting::T1 ? ""
-    : name != names.end()
-    ? name->second + evidence + ")"
-    : "not known to be T1-weighted (neither TR and TE nor the description tell)";
+  return *weighting.Long == '\0' ? "" : named(weighting.Long, weighting.Evidence);
 }
 
 std::string PlaneOf(const DicomHeader& header)
@@ -490,10 +482,9 @@ void DescribeSeries(StudySeries& series)
   }
   series.Side = series.Grid ? SideOf(*series.Grid, header) : '?';
   FindFatSuppression(series);
-  std::string evidence;
-  const Weighting weighting = FindWeighting(header, evidence);
+  const Weighting weighting = FindWeighting(header);
   series.Sequence = SequenceOf(header, weighting);
-  const std::string why = WhyNoTissue(header, weighting, evidence);
+  const std::string why = WhyNoTissue(header, weighting);
   series.LeftOut = why.empty() ? series.LeftOut : why;
   series.LeftOut = series.LeftOut.empty() ? WhyNoBreastVolume(series) : series.LeftOut;
 }

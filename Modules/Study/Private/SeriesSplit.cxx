@@ -10,6 +10,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <type_traits>
 
 namespace mammoray
 {
@@ -53,22 +54,22 @@ bool IsLower(const DicomHeader& a, const DicomHeader& b)
   return HeightOf(a) < HeightOf(b);
 }
 
-/// Places along the normal, to a hundredth of a millimetre; slices that say no place share one.
-long PlaceOf(const DicomHeader& slice)
+/// Places along the normal, to a hundredth of a millimetre; slices without a place share one.
+long LayerOf(const DicomHeader& slice)
 {
   return std::lround(HeightOf(slice) * 100);
 }
 
-using Places = std::map<long, Slices>;
-
-Places ByPlace(const Slices& slices)
+/// Slices with the same key, in the order of the keys.
+template <typename KeyOf>
+auto GroupBy(const Slices& slices, const KeyOf& keyOf)
 {
-  Places places;
+  std::map<std::decay_t<decltype(keyOf(slices.front()))>, Slices> groups;
   for (const DicomHeader& slice : slices)
   {
-    places[PlaceOf(slice)].push_back(slice);
+    groups[keyOf(slice)].push_back(slice);
   }
-  return places;
+  return groups;
 }
 
 std::string NumberKey(const std::optional<double>& number)
@@ -91,7 +92,7 @@ const std::function<std::string(const DicomHeader&)> PhaseKeys[] = {
 /// The phases of slices of one kind, the first first.
 std::vector<Slices> SplitPhases(const Slices& slices)
 {
-  Places places = ByPlace(slices);
+  auto places = GroupBy(slices, LayerOf);
   // Fewer make no volume, whatever they are.
   if (places.size() < FewestSlicesOfBreast || places.size() == slices.size())
   {
@@ -104,15 +105,12 @@ std::vector<Slices> SplitPhases(const Slices& slices)
   }
   for (const auto& key : PhaseKeys)
   {
-    std::map<std::string, Slices> parts;
-    for (const DicomHeader& slice : slices)
-    {
-      parts[key(slice)].push_back(slice);
-    }
+    auto parts = GroupBy(slices, key);
     // As many as lie at one place: otherwise the key tells something else.
     if (parts.size() == most &&
       std::all_of(parts.begin(), parts.end(),
-        [](const auto& part) { return ByPlace(part.second).size() == part.second.size(); }))
+        [](const auto& part)
+        { return GroupBy(part.second, LayerOf).size() == part.second.size(); }))
     {
       std::vector<Slices> phases;
       for (auto& [value, part] : parts)
@@ -228,13 +226,9 @@ std::set<std::string> DirectionsOf(const Slices& slices)
 
 std::vector<StudySeries> SplitIntoVolumes(const std::vector<DicomHeader>& slices)
 {
-  std::map<std::string, Slices> series;
-  for (const DicomHeader& slice : slices)
-  {
-    series[slice.SeriesInstanceUid].push_back(slice);
-  }
+  const auto seriesOf = [](const DicomHeader& slice) { return slice.SeriesInstanceUid; };
   std::vector<StudySeries> volumes;
-  for (const auto& [uid, members] : series)
+  for (const auto& [uid, members] : GroupBy(slices, seriesOf))
   {
     if (DirectionsOf(members).size() > 1)
     {
@@ -243,12 +237,7 @@ std::vector<StudySeries> SplitIntoVolumes(const std::vector<DicomHeader>& slices
       volumes.back().LeftOut = "localizer (slices in several directions)";
       continue;
     }
-    std::map<std::string, Slices> kinds;
-    for (const DicomHeader& slice : members)
-    {
-      kinds[KindOf(slice)].push_back(slice);
-    }
-    for (const auto& [kind, alike] : kinds)
+    for (const auto& [kind, alike] : GroupBy(members, KindOf))
     {
       const std::vector<Slices> phases = SplitPhases(alike);
       for (std::size_t phase = 0; phase < phases.size(); ++phase)

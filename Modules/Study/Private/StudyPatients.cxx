@@ -2,9 +2,9 @@
 #include "Private/HeaderRules.h"
 #include "Private/HeaderWords.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/Sha256.h"
 
-#include <cstdint>
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 
 namespace mammoray
@@ -69,18 +69,10 @@ Relation Compare(const Patient& a, const Patient& b)
   return born && (agree(a.Id, b.Id) || agree(a.Name, b.Name)) ? Relation::Likely : Relation::Other;
 }
 
-/// Four hexadecimal digits (FNV-1a): enough to tell patients of a folder apart, too few to find
-/// anyone by.
+/// Four hexadecimal digits: enough to tell patients of a folder apart, too few to find anyone by.
 std::string NumberOf(const Patient& patient)
 {
-  std::uint32_t hash = 2166136261u;
-  for (const char letter : patient.Id + '|' + patient.Name + '|' + patient.BirthDate)
-  {
-    hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619u;
-  }
-  char text[8];
-  std::snprintf(text, sizeof text, "%04x", (hash >> 16 ^ hash) & 0xffffu);
-  return text;
+  return Sha256OfText(patient.Id + '|' + patient.Name + '|' + patient.BirthDate).substr(0, 4);
 }
 
 std::string PlaceOf(const Patient& patient, const std::string& folder)
