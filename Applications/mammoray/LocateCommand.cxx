@@ -10,6 +10,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredBreast.h"
+#include "mammoray/Study/RegisteredMammogram.h"
 
 #include <algorithm>
 #include <array>
@@ -247,21 +248,6 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
   WriteAtomicFile(path, file.str());
 }
 
-/// The image that a segmentation lies over; it must have the registered pixels.
-DicomReference ReadSegmentedImage(const NamedBreast& registered, const LocateArguments& arguments)
-{
-  DicomReference image = ReadDicomReference(arguments.Mammogram);
-  const XRayDetector detector = registered.Breast.Detector();
-  if (image.Columns != detector.Columns || image.Rows != detector.Rows)
-  {
-    throw InputError(arguments.Mammogram + ": expected the registered mammogram of " +
-      std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
-      std::to_string(image.Columns) + " x " + std::to_string(image.Rows));
-  }
-  NoteOtherMammogram(registered.Result, arguments.Mammogram);
-  return image;
-}
-
 /// One segment for each lesion.
 void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const DicomReference& image,
   const LocateArguments& arguments)
@@ -285,7 +271,8 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   std::optional<DicomReference> image;
   if (IsDicomPath(arguments.Output))
   {
-    image = ReadSegmentedImage(registered, arguments);
+    image = ReadRegisteredReference(arguments.Mammogram, registered.Breast.Detector());
+    NoteOtherMammogram(registered.Result, arguments.Mammogram);
   }
   const LabelVolume volume = ReadLesions(arguments.Lesion, AxesOf(Program().AxesAsGiven));
   const auto projector = MakeProjector(Program().Projector);

@@ -107,4 +107,17 @@ Mammogram ReadRegisteredMammogram(const ResultFile& result, const std::string& m
   mammogram.Laterality = searched.Laterality;
   return mammogram;
 }
+
+DicomReference ReadRegisteredReference(const std::string& mammogramPath,
+  const XRayDetector& detector)
+{
+  DicomReference image = ReadDicomReference(mammogramPath);
+  if (image.Columns != detector.Columns || image.Rows != detector.Rows)
+  {
+    throw InputError(mammogramPath + ": expected the registered mammogram of " +
+      std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
+      std::to_string(image.Columns) + " x " + std::to_string(image.Rows));
+  }
+  return image;
+}
 }

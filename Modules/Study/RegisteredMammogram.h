@@ -2,8 +2,10 @@
 #ifndef mammoray_RegisteredMammogram_h
 #define mammoray_RegisteredMammogram_h
 
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Study/ResultFile.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayStudyModule.h"
 
 #include <string>
@@ -33,6 +35,11 @@ MAMMORAYSTUDY_EXPORT bool IsRegisteredMammogram(const ResultFile& result,
  */
 MAMMORAYSTUDY_EXPORT Mammogram ReadRegisteredMammogram(const ResultFile& result,
   const std::string& mammogramPath);
+
+/// What DICOM objects of a result need to refer to its mammogram. Throws InputError, which names
+/// the file, where it has not the pixels of the registered detector, and as ReadDicomReference.
+MAMMORAYSTUDY_EXPORT DicomReference ReadRegisteredReference(const std::string& mammogramPath,
+  const XRayDetector& detector);
 }
 
 #endif

@@ -7,6 +7,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/CompressedVolume.h"
 #include "mammoray/Study/LesionShadow.h"
+#include "mammoray/Study/RegisteredMammogram.h"
 
 #include <algorithm>
 #include <cmath>
@@ -294,14 +295,7 @@ void WriteResultObjects(const ResultFile& result, const RegisteredBreast& breast
   const ResultObjects& objects, const ProjectorOptions& projector, const std::string& folder,
   const ProgressCallback& progress)
 {
-  const DicomReference mammogram = ReadDicomReference(objects.Mammogram);
-  const XRayDetector detector = breast.Detector();
-  if (mammogram.Columns != detector.Columns || mammogram.Rows != detector.Rows)
-  {
-    throw InputError(objects.Mammogram + ": expected the registered mammogram of " +
-      std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
-      std::to_string(mammogram.Columns) + " x " + std::to_string(mammogram.Rows));
-  }
+  const DicomReference mammogram = ReadRegisteredReference(objects.Mammogram, breast.Detector());
   std::optional<DicomMri> mri;
   if (!objects.Mri.empty())
   {
