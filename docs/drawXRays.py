@@ -95,11 +95,11 @@ def main():
                 -0.1495, -0.0015, -500, "--column-direction", 1, 0, 0, "--row-direction", 0, 1, 0, "--columns", 300, "--rows", 4,
                 "--pixel-spacing", 0.001]
     project(*geometry, "-o", work / "straight.mha")
-    project(*geometry, "--refraction", "geometric", "--samples", 16, "-o", work / "bent.mha")
+    project(*geometry, "--set", "refraction.law=geometric", "--samples", 16, "-o", work / "bent.mha")
     # Along the fibre nothing changes.
     straight, bent = (numpy.repeat(image_of(work / f"{which}.mha"), 50, axis=0) for which in ("straight", "bent"))
     figure, axes = pyplot.subplots(1, 3, figsize=(10.8, 3))
-    for axis, values, title in ((axes[0], straight, "a SiC fibre of 0.14 mm, straight rays"), (axes[1], bent, "--refraction geometric, 0.5 m")):
+    for axis, values, title in ((axes[0], straight, "a SiC fibre of 0.14 mm, straight rays"), (axes[1], bent, "refracted, 0.5 m")):
         axis.imshow(values, cmap="gray", vmin=0.8, vmax=1.2)
         axis.set_title(title, fontsize=9)
         axis.axis("off")
@@ -133,9 +133,9 @@ def main():
     scene = ["--materials", work / "slab.json", "--surface", f"fat={work / 'fat.stl'}"]
     for number in range(14):
         scene += ["--surface", f"gland={work / f'gland{number}.stl'}"]
-    scene += ["--surface", f"lesion={work / 'lesion.stl'}", "--overlap-priority", "lesion", "gland", "fat"]
-    project(*scene, "--iodine", "lesion=2", "--tube", "W", "--kvp", 30, "--filter", "Rh:0.05", "--high-kvp", 42, "--high-filter",
-            "Cu:0.3", "--cancel-thickness", 40, "--source", 0, 0, 650, "--detector-origin", -27.4, -27.4, 0, "--column-direction", 1, 0,
+    scene += ["--surface", f"lesion={work / 'lesion.stl'}", "--set", 'overlap-priority=["lesion", "gland", "fat"]']
+    project(*scene, "--set", "iodine.lesion=2", "--tube", "W", "--kvp", 30, "--filter", "Rh:0.05", "--high", "kvp=42",
+            "filter=Cu:0.3", "--cancel-thickness", 40, "--source", 0, 0, 650, "--detector-origin", -27.4, -27.4, 0, "--column-direction", 1, 0,
             0, "--row-direction", 0, 1, 0, "--columns", 275, "--rows", 275, "--pixel-spacing", 0.2, "--photons", 1e6, "-o",
             work / "iodine.mha")
     low, high = (-numpy.log(image_of(work / f"iodine_{which}.mha")) for which in ("low", "high"))

@@ -75,6 +75,8 @@ struct Declaration
   Quantity Numbers = "";
   /// The values that can be chosen; empty: any.
   std::vector<std::string> Words = {};
+  /// Whether giving the default means the same as giving nothing, so that --print-config may.
+  bool PrintsDefault = true;
 
   /// The long name without dashes, or that of a positional argument.
   std::string Name() const;

@@ -25,7 +25,7 @@ Json ValueOf(const Declaration& declaration)
   }
   if (option.count() == 0)
   {
-    return declaration.Default();
+    return declaration.PrintsDefault ? declaration.Default() : Json();
   }
   Json values = Json::array();
   for (const std::string& result : option.results())

@@ -3,7 +3,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ProjectOptions.h"
-#include "SceneOptions.h"
+#include "ScatterOptions.h"
 #include "SharedOptions.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -32,16 +32,6 @@ namespace mammoray
 {
 namespace
 {
-Vector3 ToUnitVector(const Vector3& vector, const char* option)
-{
-  const double length = Norm(vector);
-  if (!(length > 0) || !std::isfinite(length))
-  {
-    throw InputError(std::string(option) + ": expected a direction, found a vector without length");
-  }
-  return (1 / length) * vector;
-}
-
 /// The picture turned by 180 degrees: a right breast is hung with its chest wall at the right.
 void TurnHalf(XRayDetector& detector)
 {
@@ -60,39 +50,45 @@ VolumeFromGantry PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh&
   const Vector3 anchor =
     arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, scene.Materials.Fixed(), axes);
   const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
-  const double spacing = arguments.PixelSpacingMm;
-  if (!arguments.Scene.Has("detector"))
+  const SceneDescription& description = arguments.Scene;
+  if (!description.HasDetector())
   {
     XRayDetector& detector = scene.Detector;
     const int samples = detector.Samples;
+    const double spacing = description.PixelSpacingMm;
     detector = DetectorOfUnit(gantry, detector.Columns, detector.Rows, { spacing, spacing });
     detector.Samples = samples;
-    detector.Origin = arguments.DetectorOrigin.value_or(detector.Origin);
-    if (arguments.ColumnDirection)
-    {
-      detector.ColumnStep =
-        spacing * ToUnitVector(*arguments.ColumnDirection, "--column-direction");
-    }
-    if (arguments.RowDirection)
-    {
-      detector.RowStep = spacing * ToUnitVector(*arguments.RowDirection, "--row-direction");
-    }
   }
   if (IsDicomPath(arguments.Output) && arguments.Laterality == 'R' && arguments.IsPlacedByUnit())
   {
     TurnHalf(scene.Detector);
   }
-  if (!arguments.Scene.Has("source"))
+  if (!description.HasSource())
   {
-    scene.Source.Position =
-      arguments.Source.value_or(gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm }));
-    if (arguments.BeamDirection)
-    {
-      scene.Source.Type = XRaySource::Kind::Parallel;
-      scene.Source.Direction = *arguments.BeamDirection;
-    }
+    scene.Source.Position = gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm });
   }
   return gantry;
+}
+
+/// The description with the places that the unit gave.
+SceneDescription WithPlaces(SceneDescription description, const Scene& scene)
+{
+  XRayDetector& detector = description.Fixed.Detector;
+  description.Fixed.Source = scene.Source;
+  detector = scene.Detector;
+  description.PixelSpacingMm = Norm(detector.ColumnStep);
+  detector.ColumnStep = (1 / description.PixelSpacingMm) * detector.ColumnStep;
+  detector.RowStep = (1 / Norm(detector.RowStep)) * detector.RowStep;
+  const bool isPoint = scene.Source.Type == XRaySource::Kind::Point;
+  description.Keys.insert(description.Keys.end(),
+    { isPoint ? "source.position" : "source.beam-direction", "detector.origin",
+      "detector.column-direction", "detector.row-direction", "detector.columns", "detector.rows",
+      "detector.pixel-spacing" });
+  if (scene.Scatter.Method == SceneScatter::Model::Kernels)
+  {
+    description.Keys.emplace_back("scatter.air-gap");
+  }
+  return description;
 }
 
 /// The header of a mammogram. Throws InputError where a mammogram cannot have this geometry.
@@ -116,14 +112,6 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const Scene& scen
   return mammogram;
 }
 
-/// From the middle of the mesh to the detector's plane, mm.
-double DistanceToDetector(const SurfaceMesh& surface, const Scene& scene)
-{
-  const Vector3 normal = DetectorPlane(scene.Source, scene.Detector).Normal;
-  const Extent extent = ExtentsAlong<1>({ normal }, surface.Points)[0];
-  return std::abs(extent.Middle() - Dot(normal, scene.Detector.Origin));
-}
-
 void CheckDeflection(const ProjectArguments& arguments)
 {
   if (arguments.Deflection.empty())
@@ -132,7 +120,7 @@ void CheckDeflection(const ProjectArguments& arguments)
   }
   if (!arguments.Scene.Fixed.Refraction)
   {
-    throw InputError("--deflection: expected --refraction beside it, found none");
+    throw InputError("--deflection: expected refraction.law beside it, found none");
   }
   const std::string extension = std::filesystem::path(arguments.Deflection).extension().string();
   if (extension == ".png" || extension == ".tif")
@@ -153,13 +141,9 @@ void CheckInputs(const ProjectArguments& arguments)
         "project: expected either --mesh or --surface, or a --scene with samples, found ") +
       (scene.Mesh.empty() ? "neither" : "both"));
   }
-  if (!scene.Mesh.empty())
+  if (!scene.Mesh.empty() && scene.Materials.empty())
   {
-    CheckInputFile(scene.Mesh);
-    if (scene.Materials.empty())
-    {
-      throw InputError("--mesh: expected --materials beside it, found none");
-    }
+    throw InputError("--mesh: expected --materials beside it, found none");
   }
 }
 
@@ -172,7 +156,10 @@ void CheckOutputs(const ProjectArguments& arguments)
     throw InputError("--display: expected one picture, not For Processing, found another");
   }
   CheckSeries(arguments.Series, arguments.Output);
-  CheckDualEnergy(arguments.DualEnergy);
+  if (!arguments.DualEnergy.IsAsked() && !arguments.DualEnergy.Cancel.empty())
+  {
+    throw InputError("--cancel: expected --high beside it, found none");
+  }
   if (arguments.DualEnergy.IsAsked())
   {
     const std::string extension = std::filesystem::path(arguments.Output).extension().string();
@@ -180,7 +167,7 @@ void CheckOutputs(const ProjectArguments& arguments)
       IsDicomPath(arguments.Output))
     {
       throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
-                       "--refraction, found another");
+                       "refraction, found another");
     }
     CheckOutputBeside(BesideOutput(arguments.Output, "_low"));
     CheckOutputBeside(BesideOutput(arguments.Output, "_high"));
@@ -265,10 +252,6 @@ struct ProjectionJob
   Exposure Take(Scene& scene, int number, const ProgressCallback& progress) const
   {
     scene.Detection.Seed = this->Standing.Detection.Seed + static_cast<std::uint64_t>(number);
-    if (scene.Refraction && !this->Arguments.Scene.BendDistanceMm)
-    {
-      scene.Refraction->DistanceMm = DistanceToDetector(this->Surface, scene);
-    }
     return this->Device.Expose(scene, progress);
   }
 };
@@ -313,7 +296,7 @@ std::string RunDualEnergy(const ProjectionJob& job, const ProgressCallback& prog
   const ProjectArguments& arguments = job.Arguments;
   Scene low = job.Standing;
   Scene high = job.Standing;
-  high.XRays = ToHighSpectrum(arguments.DualEnergy, arguments.Scene.Beam);
+  high.XRays = ToHighSpectrum(arguments.DualEnergy, arguments.Scene);
   const XRayDetector& detector = low.Detector;
   const MaterialTable& table = low.Materials;
   const std::vector<std::string> pair = arguments.DualEnergy.Cancel.empty()
@@ -491,6 +474,11 @@ void Run(ProjectArguments& arguments)
   const std::shared_ptr<const SurfaceMesh> surface = Assemble(scene);
   scene.Samples = { { surface } };
   const VolumeFromGantry gantry = PlaceBeam(arguments, *surface, scene);
+  if (arguments.PrintScene)
+  {
+    std::fputs(WriteScene(WithPlaces(arguments.Scene, scene)).c_str(), stdout);
+    return;
+  }
   std::optional<Mammogram> mammogram;
   if (IsDicomPath(arguments.Output))
   {
@@ -530,7 +518,7 @@ void Run(ProjectArguments& arguments)
   }
   if (!overlap.empty())
   {
-    std::fprintf(stderr, "mammoray: warning: %s; --overlap-priority counts them once\n",
+    std::fprintf(stderr, "mammoray: warning: %s; overlap-priority counts them once\n",
       overlap.c_str());
   }
 }

@@ -3,50 +3,40 @@
 #define mammoray_ProjectOptions_h
 
 #include "DicomOptions.h"
-#include "OptionList.h"
-#include "ScatterOptions.h"
 #include "SceneOptions.h"
 #include "SeriesOptions.h"
-#include "SpectrumOptions.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/IO/SceneIO.h"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
+/// A second exposure at higher energy, and how the two are recombined.
+struct DualEnergyArguments
+{
+  /// KEY=VALUE each: quantities of its beam.
+  std::vector<std::string> High;
+  std::vector<std::string> Cancel;
+  double ThicknessMm = 50;
+
+  bool IsAsked() const { return !this->High.empty(); }
+};
+
 /// The options of 'mammoray project'.
 struct ProjectArguments
 {
-  /// Options are declared on its members. CompleteScene adds the others and the scene's file.
+  SceneArguments Given;
+  /// Made of them by CompleteScene.
   SceneDescription Scene;
-  std::string SceneFile;
-  /// MATERIAL=FILE each.
-  std::vector<std::string> Surfaces;
-  IsGivenFunction IsGiven;
-  std::vector<std::string> Attenuations;
   DualEnergyArguments DualEnergy;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
   BreastPose Pose;
-  /// These replace the places that unit and pose give.
+  /// Replaces the point that the pose refers to.
   std::optional<Vector3> Anchor;
-  std::optional<Vector3> Source;
-  std::optional<Vector3> BeamDirection;
-  std::optional<Vector3> DetectorOrigin;
-  std::optional<Vector3> ColumnDirection;
-  std::optional<Vector3> RowDirection;
-  double PixelSpacingMm = 0.1;
-  std::optional<std::array<double, 2>> FocalSpot;
-  /// Target angle, degrees, and depth, micrometres.
-  std::optional<std::array<double, 2>> Heel;
-  /// Empty: rays are straight.
-  std::string RefractionLaw;
   std::string Deflection;
-  ScatterArguments Scatter;
   SeriesArguments Series;
   std::optional<char> Laterality;
   std::string View;
@@ -57,16 +47,21 @@ struct ProjectArguments
   DicomPatient Patient;
   std::string Output;
   std::string PathLengths;
+  /// Whether the scene is printed in place of a picture.
+  bool PrintScene = false;
 
   /// Whether source and detector stand where the mammography unit has them.
-  bool IsPlacedByUnit() const;
+  bool IsPlacedByUnit() const { return !this->Scene.HasSource() && !this->Scene.HasDetector(); }
 };
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments);
 
-/// Brings the options, the scene's file and --unit realistic into arguments.Scene. Throws
+/// Brings the scene's file, the options and --unit realistic into arguments.Scene. Throws
 /// InputError.
 void CompleteScene(ProjectArguments& arguments);
+
+/// The spectrum of higher energy; `low` has the anode. Throws InputError.
+Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneDescription& low);
 }
 
 #endif

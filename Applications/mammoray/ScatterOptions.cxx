@@ -36,42 +36,6 @@ void CheckKernelScatter(const KernelScatterArguments& arguments)
   }
 }
 
-void DeclareScatter(const OptionList& add, ScatterArguments& arguments)
-{
-  const OptionList scatter = add.Group("Scatter and dose");
-  scatter.Word("--scatter", arguments.Method, { "kernels", "monte-carlo" },
-    "add what tissue scatters\n(by kernels, tabulated for breast tissue by the thickness along "
-    "each "
-    "ray, or by following --mc-photons photons through the materials, whose compositions must be "
-    "known)");
-  DeclareKernelScatter(scatter, arguments);
-  scatter.Flag("--dose", arguments.Dose,
-    "print the mean dose of each material, by following photons");
-  scatter.Expert()("--mc-photons", arguments.Photons, Between(1, 1e12),
-    "photons to follow for each picture, and for --dose");
-  scatter.CaseFile()("--mc-voxels", arguments.VoxelMm, Between(0.05, 10, "mm"),
-    "edge of the voxels through which photons are followed");
-}
-
-void SetScatter(const ScatterArguments& arguments, SceneDescription& description)
-{
-  CheckKernelScatter(arguments);
-  SceneScatter& scatter = description.Fixed.Scatter;
-  if (!arguments.Method.empty())
-  {
-    scatter.Method = arguments.Method == "kernels" ? SceneScatter::Model::Kernels
-                                                   : SceneScatter::Model::MonteCarlo;
-  }
-  scatter.AirGapMm = arguments.AirGapMm.value_or(scatter.AirGapMm);
-  scatter.Photons = arguments.Photons;
-  if (arguments.Grid)
-  {
-    scatter.Grid = AntiscatterGridOptions::OfLead(*arguments.Grid, arguments.Interspace);
-  }
-  description.VoxelMm = arguments.VoxelMm;
-  description.Fixed.Dose = arguments.Dose;
-}
-
 std::shared_ptr<const VoxelScene> MakeVoxelScene(double voxelMm, const SurfaceMesh& surface,
   const MaterialTable& materials, const ProgressCallback& progress)
 {

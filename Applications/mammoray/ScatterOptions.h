@@ -3,7 +3,9 @@
 #define mammoray_ScatterOptions_h
 
 #include "OptionList.h"
-#include "mammoray/IO/SceneIO.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/Scatter/MonteCarlo.h"
 
 #include <array>
 #include <memory>
@@ -12,10 +14,10 @@
 
 namespace mammoray
 {
-/// Scatter options of 'mammoray project' and 'mammoray register'.
+/// Scatter options of 'mammoray register'.
 struct KernelScatterArguments
 {
-  /// Empty: none; "kernels"; 'mammoray project' also has "monte-carlo".
+  /// Empty: none; "kernels".
   std::string Method;
   std::optional<double> AirGapMm;
   /// Ratio, lines per cm, septum in micrometres.
@@ -27,18 +29,6 @@ struct KernelScatterArguments
 void DeclareKernelScatter(const OptionList& scatter, KernelScatterArguments& arguments);
 /// Throws InputError on these options without a method, and on an impossible grid.
 void CheckKernelScatter(const KernelScatterArguments& arguments);
-
-/// Scatter, grid and dose of 'mammoray project'.
-struct ScatterArguments : KernelScatterArguments
-{
-  bool Dose = false;
-  double Photons = 1e7;
-  double VoxelMm = 1;
-};
-
-void DeclareScatter(const OptionList& add, ScatterArguments& arguments);
-/// Throws InputError on options that contradict each other.
-void SetScatter(const ScatterArguments& arguments, SceneDescription& description);
 
 /// The materials of a surface in voxels. Throws InputError where it is not closed, and where this
 /// build has no Meshing module.

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SceneOptions.h"
 
-#include "OptionList.h"
-#include "OutputFiles.h"
 #include "mammoray/Foundation/Error.h"
 
-#include <initializer_list>
 #include <tuple>
 #include <utility>
 
@@ -13,41 +10,22 @@ namespace mammoray
 {
 namespace
 {
-/// The options that set the same as a key of a scene's file.
-struct SceneKey
+using Kind = SceneQuantity::Kind;
+
+bool IsNumeric(Kind kind)
 {
-  const char* Key;
-  std::initializer_list<const char*> Options;
-};
-const SceneKey SceneKeys[] = {
-  { "source", { "--source", "--beam-direction" } },
-  { "source.focal-spot", { "--focal-spot" } },
-  { "source.focal-spot-samples", { "--focal-spot-samples" } },
-  { "source.heel", { "--heel" } },
-  { "source.inverse-square", { "--inverse-square" } },
-  { "detector",
-    { "--detector-origin", "--column-direction", "--row-direction", "--columns", "--rows",
-      "--pixel-spacing" } },
-  { "detector.samples", { "--samples" } },
-  { "detector.response", { "--response" } },
-  { "detector.scintillator", { "--scintillator" } },
-  { "detector.response-table", { "--response-table" } },
-  { "detector.photons", { "--photons" } },
-  { "detector.electronic-noise", { "--electronic-noise" } },
-  { "detector.half-modulation", { "--half-modulation" } },
-  { "detector.seed", { "--seed" } },
-  { "beam", { "--kev", "--spectrum", "--tube", "--kvp", "--filter" } },
-  { "materials", { "--materials" } },
-  { "attenuations", { "--attenuation" } },
-  { "iodine", { "--iodine" } },
-  { "mesh", { "--mesh", "--surface" } },
-  { "samples", { "--mesh", "--surface" } },
-  { "overlap-priority", { "--overlap-priority" } },
-  { "scatter",
-    { "--scatter", "--air-gap", "--grid", "--grid-interspace", "--mc-photons", "--mc-voxels" } },
-  { "refraction", { "--refraction", "--bend-distance" } },
-  { "dose", { "--dose" } },
-};
+  return kind == Kind::Number || kind == Kind::Length || kind == Kind::WholeNumber;
+}
+
+/// What help shows in place of a type.
+std::string TypeName(const SceneQuantity& quantity)
+{
+  return quantity.Type == Kind::File     ? FileTypeName
+    : quantity.Type == Kind::FileOrName  ? InputTypeName
+    : !quantity.Unit.empty()             ? quantity.Unit
+    : quantity.Type == Kind::WholeNumber ? "INT"
+    : quantity.Type == Kind::Number      ? "FLOAT"
+                                         : "TEXT";
 }
 
 std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
@@ -59,39 +37,112 @@ std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
     SurfaceSample sample;
     std::tie(sample.Material, sample.File) = SplitAssignment(text, "--surface", "MATERIAL=FILE");
     sample.Name = "--surface " + text;
-    CheckInputFile(sample.File);
     samples.push_back(std::move(sample));
   }
   return samples;
 }
+}
 
-void ApplySceneFile(const std::string& path, const IsGivenFunction& isGiven,
-  SceneDescription& description)
+std::string OptionOf(const SceneQuantity& quantity)
 {
-  if (path.empty())
+  if (quantity.IsSet == SceneQuantity::Use::Rare)
   {
+    return {};
+  }
+  const std::string& key = quantity.Key;
+  return key == "source.position" ? "--source"
+    : key == "detector.origin"    ? "--detector-origin"
+    : key == "scatter.method"     ? "--scatter"
+                                  : "--" + key.substr(key.rfind('.') + 1);
+}
+
+void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
+  SceneArguments& arguments)
+{
+  const auto take = [name = OptionOf(quantity), key = quantity.Key, &settings = arguments.Settings](
+                      const std::vector<std::string>& values)
+  {
+    std::erase_if(settings, [&](const SceneSetting& setting) { return setting.Key == key; });
+    settings.push_back({ name, key, values });
+  };
+  const Shown shown =
+    quantity.IsSet == SceneQuantity::Use::Daily ? Shown::InHelp : Shown::InHelpAll;
+  Command& command = add.App();
+  if (quantity.Type == Kind::Flag)
+  {
+    add.Keep({ command.add_flag_callback(
+                 OptionOf(quantity), [take]() { take({ "true" }); }, quantity.Help),
+      shown, "boolean", "", {} });
     return;
   }
-  description = ReadScene(path, std::move(description));
-  for (const SceneKey& known : SceneKeys)
+  CLI::Option* option =
+    command.add_option_function<std::vector<std::string>>(OptionOf(quantity), take, quantity.Help)
+      ->type_name(TypeName(quantity))
+      ->default_str(quantity.Default);
+  if (quantity.Type == Kind::ListOfTexts)
   {
-    for (const char* option : known.Options)
+    option->allow_extra_args(false);
+  }
+  else
+  {
+    const bool isVector = quantity.Type == Kind::Point || quantity.Type == Kind::Direction;
+    option->expected(isVector ? 3 : 1);
+  }
+  if (quantity.Type == Kind::Word)
+  {
+    option->check(OneOfWords(quantity.Words));
+  }
+  else if (quantity.Type == Kind::File || quantity.Type == Kind::FileOrName)
+  {
+    option->check(FileOrFolder(quantity.Type == Kind::File));
+  }
+  const Quantity numbers = IsNumeric(quantity.Type)
+    ? Between(quantity.Least, quantity.Most, quantity.Unit.c_str())
+    : Quantity("");
+  const bool isWhole = quantity.Type == Kind::WholeNumber;
+  const bool isNumber = option->get_expected_max() == 3 || IsNumeric(quantity.Type);
+  if (isNumber)
+  {
+    option->check(isWhole ? NumberIn<int>(numbers) : NumberIn<double>(numbers));
+  }
+  const char* const kind = isWhole ? "integer" : isNumber ? "number" : "string";
+  add.Keep({ option, shown, kind, numbers, quantity.Words, false });
+}
+
+SceneSetting ToSetting(const std::string& text, const std::string& option,
+  const std::string& prefix)
+{
+  const auto [key, value] = SplitAssignment(text, option, "KEY=VALUE");
+  return { option + " " + key, prefix + key, { value } };
+}
+
+SceneDescription ReadSceneArguments(const SceneArguments& arguments)
+{
+  SceneDescription scene = arguments.File.empty() ? SceneDescription() : ReadScene(arguments.File);
+  for (const SceneSetting& setting : arguments.Settings)
+  {
+    SetQuantity(setting, scene);
+  }
+  for (const std::string& text : arguments.Sets)
+  {
+    SetQuantity(ToSetting(text, "--set"), scene);
+  }
+  if (!arguments.Surfaces.empty())
+  {
+    if (!scene.Samples.empty())
     {
-      if (description.Has(known.Key) && isGiven(option))
-      {
-        throw InputError(std::string(option) +
-          ": expected it in the scene or as an option, found " + known.Key + " in " + path +
-          ", too");
-      }
+      throw InputError("--surface: expected no samples in " + arguments.File + ", found some");
     }
+    scene.Samples = ToSamples(arguments.Surfaces);
   }
-  if (!description.Mesh.empty())
+  if (!scene.Mesh.empty())
   {
-    CheckInputFile(description.Mesh);
+    CheckInputFile(scene.Mesh);
   }
-  for (const SurfaceSample& sample : description.Samples)
+  for (const SurfaceSample& sample : scene.Samples)
   {
     CheckInputFile(sample.File);
   }
+  return scene;
 }
 }

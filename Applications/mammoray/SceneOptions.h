@@ -2,25 +2,40 @@
 #ifndef mammoray_SceneOptions_h
 #define mammoray_SceneOptions_h
 
+#include "OptionList.h"
 #include "mammoray/IO/SceneIO.h"
 
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
-/// Whether an option was given, "--source".
-using IsGivenFunction = std::function<bool(const std::string&)>;
+/// What options say of a scene.
+struct SceneArguments
+{
+  std::string File;
+  /// MATERIAL=FILE each, in place of samples or a mesh.
+  std::vector<std::string> Surfaces;
+  /// Of the options that quantities have.
+  std::vector<SceneSetting> Settings;
+  /// KEY=VALUE each, of --set.
+  std::vector<std::string> Sets;
+};
 
-/// The surfaces of --surface, "MATERIAL=FILE" each. Throws InputError where one has another form,
-/// or its file is missing.
-std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces);
+/// The option of a quantity, "--photons"; empty: only --set.
+std::string OptionOf(const SceneQuantity& quantity);
 
-/// Reads the file of --scene over a description. Throws InputError as ReadScene does, and where an
-/// option gives a value that is in the file, too.
-void ApplySceneFile(const std::string& path, const IsGivenFunction& isGiven,
-  SceneDescription& description);
+/// Adds it.
+void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
+  SceneArguments& arguments);
+
+/// Splits KEY=VALUE of an option; `prefix` is put before the key.
+SceneSetting ToSetting(const std::string& text, const std::string& option,
+  const std::string& prefix = "");
+
+/// The scene's file, changed by the options. Throws InputError as ReadScene and SetQuantity do, and
+/// where a file of surfaces is missing.
+SceneDescription ReadSceneArguments(const SceneArguments& arguments);
 }
 
 #endif

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Schema.h"
 
-#include "OptionList.h"
+#include "SceneOptions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -85,6 +86,80 @@ Json SettingSchema(const Declaration& declaration)
   return schema;
 }
 
+/// What a quantity of a scene may be.
+Json QuantitySchema(const SceneQuantity& quantity)
+{
+  using Kind = SceneQuantity::Kind;
+  const Json number{ { "type", "number" } };
+  const Json length{ { "type", "number" }, { "minimum", Bound(quantity.Least) },
+    { "maximum", Bound(quantity.Most) } };
+  const auto list = [](const Json& items, int count)
+  {
+    return Json{ { "type", "array" }, { "items", items }, { "minItems", count },
+      { "maxItems", count } };
+  };
+  switch (quantity.Type)
+  {
+    case Kind::Number:
+    case Kind::Length:
+      return length;
+    case Kind::WholeNumber:
+      return { { "type", "integer" }, { "minimum", Bound(quantity.Least) },
+        { "maximum", Bound(quantity.Most) } };
+    case Kind::Flag:
+      return { { "type", "boolean" } };
+    case Kind::Word:
+      return { { "type", "string" }, { "enum", quantity.Words } };
+    case Kind::ListOfTexts:
+      return { { "type", "array" }, { "items", { { "type", "string" } } }, { "minItems", 1 } };
+    case Kind::ListOfSamples:
+      return { { "type", "array" }, { "items", { { "type", "object" } } }, { "minItems", 1 } };
+    case Kind::Point:
+    case Kind::Direction:
+      return list(number, 3);
+    case Kind::Edges:
+      return list(length, 2);
+    case Kind::TextsByMaterial:
+      return { { "type", "object" }, { "additionalProperties", { { "type", "string" } } } };
+    case Kind::NumbersByMaterial:
+      return { { "type", "object" }, { "additionalProperties", length } };
+    default:
+      return { { "type", "string" } };
+  }
+}
+
+/// Scene files; limits of lengths are mm.
+Json SceneSchema()
+{
+  Json scene{ { "type", "object" }, { "additionalProperties", false } };
+  for (const SceneQuantity& quantity : SceneQuantities())
+  {
+    Json* object = &scene;
+    std::size_t begin = 0;
+    for (std::size_t dot = 0; (dot = quantity.Key.find('.', begin)) != std::string::npos;
+         begin = dot + 1)
+    {
+      object = &(*object)["properties"][quantity.Key.substr(begin, dot - begin)];
+      (*object)["type"] = "object";
+      (*object)["additionalProperties"] = false;
+    }
+    Json schema = QuantitySchema(quantity);
+    std::string help = quantity.Help;
+    std::replace(help.begin(), help.end(), '\n', ' ');
+    schema["description"] = help;
+    for (const auto& [key, text] : { std::pair("default", quantity.Default),
+           { "value", quantity.Unit }, { "option", OptionOf(quantity) } })
+    {
+      if (!text.empty())
+      {
+        schema[key] = text;
+      }
+    }
+    (*object)["properties"][quantity.Key.substr(begin)] = schema;
+  }
+  return scene;
+}
+
 Json CommandSchema(const Command& command, Json& program)
 {
   Json properties{ { "$schema", { { "type", "string" } } } };
@@ -122,6 +197,7 @@ std::string CaseFileSchema(const CLI::App& application)
     }
   }
   definitions["program"]["properties"] = program;
+  definitions["scene"] = SceneSchema();
   const Json schema{ { "$schema", "https://json-schema.org/draft/2020-12/schema" },
     { "title", "Case files of mammoray (--config)" },
     { "description",

@@ -56,7 +56,7 @@ inline const SharedOption Materials{ "--materials",
   "material table: .json or a shipped one's name (victre, segment, ...)", InputTypeName };
 inline const SharedOption Mesh{ "--mesh",
   "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, or one "
-  "material; those of --materials)",
+  "material; those of the material table)",
   FileTypeName };
 inline const SharedOption Result{ "--result", "folder written by 'mammoray register'",
   InputTypeName };

@@ -21,7 +21,9 @@ struct ViewArguments
 {
   ViewInput Input;
   /// In place of the breast.
-  SurfaceViewInput Surfaces;
+  SceneArguments Surfaces;
+  /// A single energy in place of a spectrum.
+  std::optional<double> EnergyKeV;
   const mammoray::Command* Command = nullptr;
   ViewerOptions Viewer;
   std::array<int, 2> Size{ 1280, 800 };
@@ -32,15 +34,16 @@ struct ViewArguments
   std::optional<int> BenchmarkFrames;
 };
 
-void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& surfaces)
+void DeclareInput(const OptionList& add, ViewArguments& arguments)
 {
+  ViewInput& input = arguments.Input;
   const OptionList what = add.OneOf("What to look at, one of");
   what(Shared::Result, input.Result);
   what(Shared::Mesh, input.Mesh);
   what.File("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
-  what(Shared::Surface, surfaces.Surfaces);
-  what(Shared::Scene, surfaces.Scene);
+  what(Shared::Surface, arguments.Surfaces.Surfaces);
+  what(Shared::Scene, arguments.Surfaces.File);
   add(Shared::Mammograms, input.Mammograms);
   add(Shared::Image, input.Image);
   add(Shared::Lesion, input.Lesions);
@@ -53,7 +56,7 @@ void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& sur
     expert(Shared::Pose(PoseParameters[index]), input.Pose[index]);
   }
   expert(Shared::Spectrum, input.Spectrum);
-  expert(Shared::Energy, surfaces.EnergyKeV);
+  expert(Shared::Energy, arguments.EnergyKeV);
   expert(Shared::PixelSpacing, input.PixelSpacingMm);
   expert(Shared::Labels, input.Labels.Path);
   expert(Shared::SimulationMesh, input.SimulationMesh);
@@ -62,7 +65,7 @@ void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& sur
 void Declare(const OptionList& add, ViewArguments& arguments)
 {
   arguments.Command = &add.App();
-  DeclareInput(add, arguments.Input, arguments.Surfaces);
+  DeclareInput(add, arguments);
   add(Shared::Point, arguments.Point);
   add(Shared::Pixel, arguments.Pixel);
   add("--screenshot", arguments.Screenshot,
@@ -125,7 +128,7 @@ void Show(const ViewArguments& arguments, Viewer& viewer, const char* moves)
 
 void RunBreast(const ViewArguments& arguments)
 {
-  if (arguments.Surfaces.EnergyKeV)
+  if (arguments.EnergyKeV)
   {
     throw InputError("--kev: expected --surface or --scene beside it, found neither");
   }
@@ -171,17 +174,18 @@ void CheckSurfaceOptions(const Command& command)
 void RunSurfaces(const ViewArguments& arguments)
 {
   CheckSurfaceOptions(*arguments.Command);
-  SurfaceViewInput input = arguments.Surfaces;
-  input.Spectrum = arguments.Input.Spectrum;
-  input.Materials = arguments.Input.Materials;
-  ViewerOptions options = ToViewerOptions(arguments);
-  const auto isGiven = [&arguments](const std::string& option)
+  const ViewerOptions options = ToViewerOptions(arguments);
+  SceneArguments surfaces = arguments.Surfaces;
+  // Options that mean the same for a breast.
+  for (const auto& [key, option] : { std::pair("beam.spectrum", "--spectrum"),
+         { "beam.kev", "--kev" }, { "materials", "--materials" } })
   {
-    // Others have another meaning here.
-    const bool isShared = option == "--kev" || option == "--spectrum" || option == "--materials";
-    return isShared && arguments.Command->count(option) > 0;
-  };
-  const ViewedScene viewed = ReadViewedScene(input, isGiven);
+    if (const CLI::Option* given = arguments.Command->get_option(option); given->count() > 0)
+    {
+      surfaces.Settings.push_back({ option, key, given->results() });
+    }
+  }
+  const ViewedScene viewed = ReadViewedScene(surfaces);
   const Scene& scene = viewed.Scene;
   if (scene.OverlapPriority.empty())
   {
@@ -207,7 +211,8 @@ void Run(ViewArguments& arguments)
 {
   Program().ApplyTo(arguments.Input.Labels);
   CheckPictureFile(arguments.Screenshot);
-  arguments.Surfaces.IsAsked() ? RunSurfaces(arguments) : RunBreast(arguments);
+  const bool hasBreast = arguments.Surfaces.Surfaces.empty() && arguments.Surfaces.File.empty();
+  hasBreast ? RunBreast(arguments) : RunSurfaces(arguments);
 }
 }
 

@@ -45,7 +45,7 @@ class Option:
 
 def commands_of(schema):
     """Name and definition of each."""
-    return [(name, definition) for name, definition in schema["$defs"].items() if name != "program"]
+    return [(name, definition) for name, definition in schema["$defs"].items() if name not in ("program", "scene")]
 
 
 def options_of(definition):
@@ -150,6 +150,21 @@ def table(rows, column=""):
     return f"\n| option | value | default | meaning | shown in |{column}\n|---|---|---|---|---|{column and '---|'}\n" + "".join(rows)
 
 
+def scene_rows(definition, prefix=""):
+    """A row for each key of scene files."""
+    rows = []
+    for name, entry in definition["properties"].items():
+        if "properties" in entry:
+            rows += scene_rows(entry, f"{prefix}{name}.")
+            continue
+        one = entry["items"] if "minimum" in entry.get("items", {}) else entry
+        limits = f"from {one['minimum']:g} to {one['maximum']:g}" if "minimum" in one else ""
+        values = ", ".join(filter(None, [", ".join(entry.get("enum", [])) or entry.get("value", ""), limits]))
+        option = f"`{entry['option']}`" if "option" in entry else ""
+        rows.append(f"| `{prefix}{name}` | {cell(values)} | {cell(entry.get('default', ''))} | {cell(entry['description'])} | {option} |\n")
+    return rows
+
+
 def tables(schema):
     program = options_of(schema["$defs"]["program"])
     uses = {}
@@ -172,7 +187,9 @@ def tables(schema):
             f"those of several commands counted for each, {offered}.\n"
             "The case file (`--config FILE.json`) takes all of them by name without dashes; those shown in \"case file\" are set there only.\n"
             "\n## Of every command\n" + table([row([option]) + "\n" for option in program])
-            + "\n## Shared by several commands\n" + table(shared, " commands |") + others)
+            + "\n## Shared by several commands\n" + table(shared, " commands |") + others
+            + "\n## Scene files\n\nKeys of the files of `--scene`, and of `--set KEY=VALUE`; more in [scene files](scene.md). Limits of lengths are mm.\n"
+            "\n| key | value | default | meaning | option of project |\n|---|---|---|---|---|\n" + "".join(scene_rows(schema["$defs"].get("scene", {"properties": {}}))))
 
 
 def main():

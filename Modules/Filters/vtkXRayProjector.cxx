@@ -7,6 +7,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ScatterData.h"
+#include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Exposer.h"
 
@@ -24,7 +25,9 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -207,30 +210,12 @@ vtkXRayProjector::~vtkXRayProjector()
   delete this->Internal;
 }
 
-void vtkXRayProjector::SetDeviceName(const char* name)
-{
-  SetProperty(this, this->DeviceName, std::string(name ? name : ""));
-}
-
-void vtkXRayProjector::SetMaterialTable(const char* pathOrName)
-{
-  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkXRayProjector::SetMaterialTableFile(const char* path)
-{
-  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
-}
-
-void vtkXRayProjector::SetSpectrum(const char* pathOrName)
-{
-  SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkXRayProjector::SetSpectrumFile(const char* path)
-{
-  SetProperty(this, this->SpectrumFile, std::string(path ? path : ""));
-}
+mammorayCxxSetTextMacro(vtkXRayProjector, SceneFile);
+mammorayCxxSetTextMacro(vtkXRayProjector, DeviceName);
+mammorayCxxSetTextMacro(vtkXRayProjector, MaterialTable);
+mammorayCxxSetTextMacro(vtkXRayProjector, MaterialTableFile);
+mammorayCxxSetTextMacro(vtkXRayProjector, Spectrum);
+mammorayCxxSetTextMacro(vtkXRayProjector, SpectrumFile);
 
 void vtkXRayProjector::SetMonochromatic(double energyKeV)
 {
@@ -276,22 +261,38 @@ int vtkXRayProjector::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
   return 1;
 }
 
 int vtkXRayProjector::RequestInformation(vtkInformation*, vtkInformationVector**,
   vtkInformationVector* outputs)
 {
+  XRayDetector detector{ ToVector(this->DetectorOrigin), ToVector(this->ColumnDirection),
+    ToVector(this->RowDirection), this->DetectorSize[0], this->DetectorSize[1] };
+  double spacing[3] = { this->PixelSpacing[0], this->PixelSpacing[1], 1.0 };
+  if (!this->SceneFile.empty())
+  {
+    try
+    {
+      const SceneDescription scene = ReadScene(this->SceneFile);
+      detector = scene.Fixed.Detector;
+      spacing[0] = spacing[1] = scene.PixelSpacingMm;
+    }
+    catch (const std::exception&)
+    {
+      // RequestData raises it.
+    }
+  }
   vtkInformation* info = outputs->GetInformationObject(0);
-  const int extent[6] = { 0, this->DetectorSize[0] - 1, 0, this->DetectorSize[1] - 1, 0, 0 };
-  const double spacing[3] = { this->PixelSpacing[0], this->PixelSpacing[1], 1.0 };
-  const Vector3 u = ToVector(this->ColumnDirection);
-  const Vector3 v = ToVector(this->RowDirection);
+  const int extent[6] = { 0, detector.Columns - 1, 0, detector.Rows - 1, 0, 0 };
+  const Vector3& u = detector.ColumnStep;
+  const Vector3& v = detector.RowStep;
   const Vector3 n = Cross(u, v);
   const double direction[9] = { u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2] };
   info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
   info->Set(vtkDataObject::SPACING(), spacing, 3);
-  info->Set(vtkDataObject::ORIGIN(), this->DetectorOrigin, 3);
+  info->Set(vtkDataObject::ORIGIN(), detector.Origin.data(), 3);
   info->Set(vtkDataObject::DIRECTION(), direction, 9);
   vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_FLOAT, 1);
   return 1;
@@ -347,7 +348,7 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     [&]()
     {
       this->Project(vtkDataObject::GetData(inputs[0]), output);
-      if (this->PlacedByInput)
+      if (this->PlacedByInput && this->SceneFile.empty())
       {
         // Not known before the input was.
         vtkInformation* info = outputs->GetInformationObject(0);
@@ -380,28 +381,44 @@ void vtkXRayProjector::DescribeDetection(Scene& scene) const
   }
   if (this->Refraction != NO_REFRACTION)
   {
-    scene.Refraction = { this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
-                                                       : RefractionOptions::Law::NearField,
-      this->BendDistanceMm };
+    scene.Refraction = this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
+                                                     : RefractionOptions::Law::NearField;
+    scene.BendDistanceMm = this->BendDistanceMm;
   }
+}
+
+Scene vtkXRayProjector::Describe(vtkDataObject* input)
+{
+  Internals& internal = *this->Internal;
+  if (!this->SceneFile.empty())
+  {
+    Scene scene = LoadScene(this->SceneFile);
+    internal.MaterialNames = scene.Materials.Names();
+    return scene;
+  }
+  if (!input)
+  {
+    throw InputError("expected an input or a SceneFile, found neither");
+  }
+  Scene scene;
+  this->PlaceBeam(input, scene);
+  this->DescribeDetection(scene);
+  internal.SetSurface(input);
+  const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
+  scene.XRays = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
+  internal.SetMaterials(FileOrName(this->MaterialTableFile, this->MaterialTable), scene);
+  scene.Samples = { { internal.Surface } };
+  return scene;
 }
 
 void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 {
   Internals& internal = *this->Internal;
-  Scene scene;
-  this->PlaceBeam(input, scene);
-  this->DescribeDetection(scene);
+  const Scene scene = this->Describe(input);
+  ReportProgress(ProgressOf(this), 0.4, "projecting");
   Exposer& exposer =
     internal.Open({ .Projection = static_cast<ProjectorOptions::Method>(this->ProjectionMethod),
       .Device = this->DeviceName });
-  this->UpdateProgress(0.1);
-  internal.SetSurface(input);
-  ReportProgress(ProgressOf(this), 0.4, "projecting");
-  const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
-  scene.XRays = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
-  internal.SetMaterials(FileOrName(this->MaterialTableFile, this->MaterialTable), scene);
-  scene.Samples = { { internal.Surface } };
   const Exposure exposure = exposer.Expose(scene, ProgressOf(this, 0.4, 0.8));
   this->NumberOfTraces = internal.TracesOfOthers + static_cast<vtkIdType>(exposer.NumberOfTraces());
   this->UpdateProgress(0.8);
@@ -422,41 +439,47 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  const auto print = [&](const char* name, const auto& values)
+  const auto print = [&](const char* name, const auto& value)
   {
     os << indent << name << ":";
-    for (const auto value : values)
+    if constexpr (requires { std::begin(value); })
+    {
+      std::for_each(std::begin(value), std::end(value),
+        [&](const auto& each) { os << " " << each; });
+    }
+    else
     {
       os << " " << value;
     }
     os << "\n";
   };
-  os << indent << "PlacedByInput: " << this->PlacedByInput << "\n";
-  os << indent << "SourceToDetectorMm: " << this->SourceToDetectorMm << "\n";
+  print("SceneFile", this->SceneFile.c_str());
+  print("PlacedByInput", this->PlacedByInput);
+  print("SourceToDetectorMm", this->SourceToDetectorMm);
   print("SourcePosition", this->SourcePosition);
-  os << indent << "ParallelBeam: " << this->ParallelBeam << "\n";
+  print("ParallelBeam", this->ParallelBeam);
   print("BeamDirection", this->BeamDirection);
   print("DetectorOrigin", this->DetectorOrigin);
   print("ColumnDirection", this->ColumnDirection);
   print("RowDirection", this->RowDirection);
   print("PixelSpacing", this->PixelSpacing);
   print("DetectorSize", this->DetectorSize);
-  os << indent << "Samples: " << this->Samples << "\n";
-  os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
-  os << indent << "PhotonsPerPixel: " << this->PhotonsPerPixel << "\n";
-  os << indent << "NoiseSeed: " << this->NoiseSeed << "\n";
-  os << indent << "Scatter: " << this->Scatter << "\n";
-  os << indent << "AirGapMm: " << this->AirGapMm << "\n";
+  print("Samples", this->Samples);
+  print("PhotonCounting", this->PhotonCounting);
+  print("PhotonsPerPixel", this->PhotonsPerPixel);
+  print("NoiseSeed", this->NoiseSeed);
+  print("Scatter", this->Scatter);
+  print("AirGapMm", this->AirGapMm);
   print("Grid", this->Grid);
-  os << indent << "Refraction: " << this->Refraction << "\n";
-  os << indent << "BendDistanceMm: " << this->BendDistanceMm << "\n";
-  os << indent << "MaterialTable: " << this->MaterialTable << "\n";
-  os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
-  os << indent << "Spectrum: " << this->Spectrum << "\n";
-  os << indent << "SpectrumFile: " << this->SpectrumFile << "\n";
-  os << indent << "DeviceName: " << this->DeviceName << "\n";
-  os << indent << "ProjectionMethod: " << this->ProjectionMethod << "\n";
+  print("Refraction", this->Refraction);
+  print("BendDistanceMm", this->BendDistanceMm);
+  print("MaterialTable", this->MaterialTable.c_str());
+  print("MaterialTableFile", this->MaterialTableFile.c_str());
+  print("Spectrum", this->Spectrum.c_str());
+  print("SpectrumFile", this->SpectrumFile.c_str());
+  print("DeviceName", this->DeviceName.c_str());
+  print("ProjectionMethod", this->ProjectionMethod);
   print("Energies", this->Internal->Photons.EnergiesKeV);
-  os << indent << "NumberOfInconsistentPixels: " << this->NumberOfInconsistentPixels << "\n";
-  os << indent << "NumberOfTraces: " << this->NumberOfTraces << "\n";
+  print("NumberOfInconsistentPixels", this->NumberOfInconsistentPixels);
+  print("NumberOfTraces", this->NumberOfTraces);
 }

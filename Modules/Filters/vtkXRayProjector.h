@@ -42,97 +42,67 @@ public:
 
   ///@{
   /**
-   * True: source and detector have the places of the input's field array "Placement", which
-   * vtkBreastCompression, vtkBreastRegistration and the commands compress and register write. The
-   * focus is SourceToDetectorMm above the receptor; columns run from its chest-wall edge towards
-   * the nipple, rows along gantry -x, centred on the receptor. Of the detector's properties only
-   * PixelSpacing and DetectorSize are used. Default false.
+   * Path of a scene file (docs/scene.md) with samples or a mesh, source and detector. The filter
+   * then needs no input, and only DeviceName and ProjectionMethod of its properties count. Default
+   * empty.
    */
-  vtkSetMacro(PlacedByInput, bool);
-  vtkGetMacro(PlacedByInput, bool);
-  vtkBooleanMacro(PlacedByInput, bool);
+  void SetSceneFile(const char* path);
+  vtkGetCharFromStdStringMacro(SceneFile);
   ///@}
 
   ///@{
   /**
-   * Distance from focus to receptor plane if PlacedByInput is true, mm. Positive; default 650.
+   * True: source and detector have the places of the input's field array "Placement", which
+   * vtkBreastCompression, vtkBreastRegistration and the commands compress and register write. The
+   * focus is SourceToDetectorMm (positive; default 650) above the receptor; columns run from its
+   * chest-wall edge towards the nipple, rows along gantry -x, centred on the receptor. Of the
+   * detector's properties only PixelSpacing and DetectorSize are used. Default false.
    */
+  vtkSetMacro(PlacedByInput, bool);
+  vtkGetMacro(PlacedByInput, bool);
+  vtkBooleanMacro(PlacedByInput, bool);
   vtkSetMacro(SourceToDetectorMm, double);
   vtkGetMacro(SourceToDetectorMm, double);
   ///@}
 
   ///@{
   /**
-   * Position of a point source, mm, world. Default (0, 0, 650).
+   * Position of a point source, mm, world; default (0, 0, 650). With ParallelBeam instead parallel
+   * X-rays that travel along BeamDirection, of any length, world; defaults false, (0, 0, -1).
    */
   vtkSetVector3Macro(SourcePosition, double);
   vtkGetVector3Macro(SourcePosition, double);
-  ///@}
-
-  ///@{
-  /**
-   * True for parallel X-rays along BeamDirection instead of a point source. Default false.
-   */
   vtkSetMacro(ParallelBeam, bool);
   vtkGetMacro(ParallelBeam, bool);
   vtkBooleanMacro(ParallelBeam, bool);
-  ///@}
-
-  ///@{
-  /**
-   * Direction in which parallel X-rays travel, any length, world. Default (0, 0, -1).
-   */
   vtkSetVector3Macro(BeamDirection, double);
   vtkGetVector3Macro(BeamDirection, double);
   ///@}
 
   ///@{
   /**
-   * Centre of the detector's pixel in column 0 and row 0, mm, world. Default (0, 0, 0).
+   * Centre of the detector's pixel in column 0 and row 0, mm, world, default (0, 0, 0); unit
+   * vectors at right angles towards the next column and the next row, world, defaults (1, 0, 0) and
+   * (0, 1, 0).
    */
   vtkSetVector3Macro(DetectorOrigin, double);
   vtkGetVector3Macro(DetectorOrigin, double);
-  ///@}
-
-  ///@{
-  /**
-   * Unit vector along a row, towards the next column, world. Default (1, 0, 0).
-   */
   vtkSetVector3Macro(ColumnDirection, double);
   vtkGetVector3Macro(ColumnDirection, double);
-  ///@}
-
-  ///@{
-  /**
-   * Unit vector along a column, towards the next row, world; at right angles to ColumnDirection.
-   * Default (0, 1, 0).
-   */
   vtkSetVector3Macro(RowDirection, double);
   vtkGetVector3Macro(RowDirection, double);
   ///@}
 
   ///@{
   /**
-   * Distance between the centres of neighbouring columns and of neighbouring rows, mm. Positive;
-   * default (0.1, 0.1).
+   * Distance between the centres of neighbouring columns and of neighbouring rows, mm, positive,
+   * default (0.1, 0.1); number of columns and of rows, positive, default (256, 256). Samples x
+   * Samples rays per pixel, 1 to 16, default 1: their transmissions and path lengths are averaged.
    */
   vtkSetVector2Macro(PixelSpacing, double);
   vtkGetVector2Macro(PixelSpacing, double);
-  ///@}
-
-  ///@{
-  /**
-   * Number of columns and of rows. Positive; default (256, 256).
-   */
   vtkSetVector2Macro(DetectorSize, int);
   vtkGetVector2Macro(DetectorSize, int);
-  ///@}
-
-  ///@{
-  /**
-   * Samples x Samples rays per pixel, whose transmissions and path lengths are averaged. 1 to 16;
-   * default 1.
-   */
   vtkSetMacro(Samples, int);
   vtkGetMacro(Samples, int);
   ///@}
@@ -160,22 +130,16 @@ public:
   ///@{
   /**
    * Whether scatter of breast tissue is added, from the thickness along each ray
-   * (mammoray/XRay/Scatter/ScatterModel.h). AirGapMm is the distance from the back of the tissue to
-   * the detector, 0 to 200 mm. Defaults false, 17.
+   * (mammoray/XRay/Scatter/ScatterModel.h); AirGapMm from the back of the tissue to the detector, 0
+   * to 200; and an anti-scatter grid of lead and fibre, focused on the source, septa along the
+   * rows' direction: ratio (0: no grid; else 1 to 30), lines per cm (5 to 200), thickness of the
+   * septa, micrometres. Transmissions are relative to air behind it. Defaults false, 17, no grid.
    */
   vtkSetMacro(Scatter, bool);
   vtkGetMacro(Scatter, bool);
   vtkBooleanMacro(Scatter, bool);
   vtkSetMacro(AirGapMm, double);
   vtkGetMacro(AirGapMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Anti-scatter grid of lead and fibre, focused on the source, before a detector with Scatter:
-   * ratio (0: no grid, the default; else 1 to 30), lines per cm (5 to 200), thickness of the septa,
-   * micrometres. Transmissions are relative to air behind it. Septa run along the rows' direction.
-   */
   vtkSetVector3Macro(Grid, double);
   vtkGetVector3Macro(Grid, double);
   ///@}
@@ -198,14 +162,6 @@ public:
   vtkGetMacro(BendDistanceMm, double);
   ///@}
 
-  ///@{
-  /**
-   * Part of the Vulkan device's name. Default empty: the most capable device.
-   */
-  void SetDeviceName(const char* name);
-  vtkGetCharFromStdStringMacro(DeviceName);
-  ///@}
-
   enum ProjectionMethodType
   {
     AUTO = 0,
@@ -214,9 +170,12 @@ public:
   };
   ///@{
   /**
-   * How path lengths are computed. AUTO, the default, traces rays on hardware that supports it and
-   * rasterises on CPU devices and all others.
+   * Part of the Vulkan device's name, default empty: the most capable device; and how path lengths
+   * are computed on it. AUTO, the default, traces rays on hardware that supports it and rasterises
+   * on CPU devices and all others.
    */
+  void SetDeviceName(const char* name);
+  vtkGetCharFromStdStringMacro(DeviceName);
   vtkSetClampMacro(ProjectionMethod, int, AUTO, RASTERISATION);
   vtkGetMacro(ProjectionMethod, int);
   ///@}
@@ -225,17 +184,11 @@ public:
   /**
    * Path of a material table (JSON) or the name of a shipped one, with attenuation and density of
    * the input's materials: by name if the input has names, else by index. SetAttenuationTable and
-   * SetLinearAttenuation take precedence. Default empty: only these.
+   * SetLinearAttenuation take precedence. Default empty: only these. MaterialTableFile, a path,
+   * goes before it: for interfaces that offer the shipped tables as a list, as ParaView does.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a material table's file, which takes precedence over MaterialTable. It serves
-   * interfaces that offer the shipped tables as a list, as ParaView does. Default empty.
-   */
   void SetMaterialTableFile(const char* path);
   vtkGetCharFromStdStringMacro(MaterialTableFile);
   ///@}
@@ -243,62 +196,44 @@ public:
   ///@{
   /**
    * Path of a spectrum (.spc) or the name of a shipped one. Default empty: the photons of
-   * SetMonochromatic or AddSpectrumLine.
+   * SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, goes before it.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a spectrum's file, which takes precedence over Spectrum. It serves interfaces that
-   * offer the shipped spectra as a list, as ParaView does. Default empty.
-   */
   void SetSpectrumFile(const char* path);
   vtkGetCharFromStdStringMacro(SpectrumFile);
   ///@}
 
+  ///@{
   /**
-   * Gives all photons this energy, keV. The default beam has 20 keV.
+   * The photons: all of one energy, keV; or none, and then some of each energy (keV, above all
+   * added before) in any common unit. The default beam has 20 keV.
    */
   void SetMonochromatic(double energyKeV);
-
-  /**
-   * Removes all photons, before AddSpectrumLine.
-   */
   void ClearSpectrum();
-
-  /**
-   * Adds photons of an energy (keV, above all added before) in any common unit.
-   */
   void AddSpectrumLine(double energyKeV, double photons);
+  ///@}
 
+  ///@{
   /**
    * Gives a material the attenuation table of that name in the data directory ("adipose",
-   * "glandular"), scaled to the density, g/cm^3. Read at the next update.
+   * "glandular"), scaled to the density, g/cm^3, and read at the next update; or a linear
+   * attenuation coefficient that does not depend on energy, 1/mm, positive. ClearAttenuation
+   * removes what was set for single materials.
    */
   void SetAttenuationTable(int material, const std::string& table, double densityGPerCm3);
-
-  /**
-   * Gives a material a linear attenuation coefficient that does not depend on energy, 1/mm,
-   * positive.
-   */
   void SetLinearAttenuation(int material, double muPerMm);
-
-  /**
-   * Removes the attenuations that were set for single materials.
-   */
   void ClearAttenuation();
+  ///@}
 
+  ///@{
   /**
-   * Number of pixels of the last image whose Consistency is 0.
+   * Number of pixels of the last image whose Consistency is 0; and how often rays have been traced
+   * since the filter was made: once per image and sample.
    */
   vtkGetMacro(NumberOfInconsistentPixels, vtkIdType);
-
-  /**
-   * How often rays have been traced since the filter was made: once per image and sample.
-   */
   vtkGetMacro(NumberOfTraces, vtkIdType);
+  ///@}
 
 protected:
   vtkXRayProjector();
@@ -312,6 +247,8 @@ protected:
     vtkInformationVector* outputs) override;
 
 private:
+  /// The scene file, or what the properties make of the input. Throws InputError.
+  mammoray::Scene Describe(vtkDataObject* input);
   /// Throws InputError, DeviceError and Interrupted.
   void Project(vtkDataObject* input, vtkImageData* output);
   /// Bring the properties into the scene. Throw InputError.
@@ -321,6 +258,7 @@ private:
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;
 
+  std::string SceneFile;
   bool PlacedByInput = false;
   double SourceToDetectorMm = 650;
   double SourcePosition[3] = { 0, 0, 650 };

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes from files: the JSON form of mammoray/XRay/Scene.h. docs/scene.md has the table of its
-// keys.
+// Scenes from files: the JSON form of mammoray/XRay/Scene.h. SceneQuantities declares its keys.
 #ifndef mammoray_SceneIO_h
 #define mammoray_SceneIO_h
 
-#include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammoray/XRay/Scene.h"
+#include "mammoray/XRay/Tube.h"
 #include "mammorayIOModule.h"
 
 #include <map>
@@ -19,12 +18,12 @@ namespace mammoray
 /// A closed surface of one material, and where it stands.
 struct SurfaceSample
 {
-  /// Names the sample in messages: "--surface Ti=rod.stl", "scene.json: samples[0]".
+  /// Names the sample in messages: "scene.json: samples[0]".
   std::string Name;
   /// See ReadSurface.
   std::string File;
   /// One of the material table, by name, or its composition, "Ti90Al6V4@4.43", with the density in
-  /// g/cm3 where the composition does not tell it (see FindComposition).
+  /// g/cm3 where the composition does not imply it (see FindComposition).
   std::string Material;
   /// Unit of the file's numbers, mm, positive. Default: 1, and 1000 for glTF, which has metres.
   std::optional<double> UnitMm;
@@ -35,55 +34,10 @@ struct SurfaceSample
   Vector3 TranslationMm{ 0, 0, 0 };
 };
 
-/// Limits of what a scene holds. A larger or smaller value has a wrong unit.
-namespace SceneLimits
-{
-/// Largest absolute coordinate: a kilometre.
-inline constexpr double LengthMm = 1e6;
-inline constexpr double LeastPixelMm = 1e-6;
-inline constexpr double MostPixelMm = 1e3;
-inline constexpr double LeastEnergyKeV = 1;
-inline constexpr double MostEnergyKeV = 500;
-inline constexpr double MostAngleDeg = 3600;
-}
-
-/// X-rays by an energy, by a tube or by a spectrum, in this order.
-struct SceneBeam
-{
-  std::optional<double> EnergyKeV;
-  /// "W", "Mo" or "Rh", with its voltage, 18 to 42 kV.
-  std::string Anode;
-  double KilovoltagePeak = 28;
-  /// A path or the name of a shipped spectrum.
-  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  /// As XRayFilter::FromText reads them.
-  std::vector<std::string> Filters;
-};
-
-/// The spectrum behind the filters. Throws InputError.
-MAMMORAYIO_EXPORT Spectrum FindSpectrum(const SceneBeam& beam);
-
-/// How the detector responds to photons: by a table, or by energy or number.
-struct SceneResponse
-{
-  bool ByEnergy = true;
-  /// Only photons count that this layer absorbs, as XRayFilter::FromText reads it. Empty: all.
-  std::string Scintillator;
-  /// A path (ReadDetectorResponse).
-  std::string Table;
-};
-
-/// Throws InputError.
-MAMMORAYIO_EXPORT DetectorResponse FindResponse(const SceneResponse& response);
-
 /// A scene as files and options describe it: with the names of what is to be read.
 struct MAMMORAYIO_EXPORT SceneDescription
 {
-  /// What needs no file: source, detector, detection, field, scatter but for its tables.
-  Scene Fixed;
-  /// Keys that the file has, with those of objects as "detector", "detector.photons".
-  std::vector<std::string> Keys;
-
+  std::string Description;
   /// A mesh of the materials of a table, or samples.
   std::string Mesh;
   std::vector<SurfaceSample> Samples;
@@ -91,35 +45,139 @@ struct MAMMORAYIO_EXPORT SceneDescription
   std::string Materials;
   /// Other attenuations of the table's materials, by their names: "ATTENUATION[@DENSITY]", g/cm3.
   std::map<std::string, std::string> Attenuations;
-  /// Iodine that the table's materials have taken up, mg/ml, 0 to 500.
+  /// Iodine that the table's materials have taken up, mg/ml.
   std::map<std::string, double> IodineMgPerMl;
   /// Scene::OverlapPriority by name.
   std::vector<std::string> OverlapPriority;
-  SceneBeam Beam;
-  SceneResponse Response;
-  /// Edge of the voxels through which photons are followed, 0.05 to 10 mm.
-  double VoxelMm = 1;
-  /// From where rays are bent to the detector. Default: from the middle of the samples.
-  std::optional<double> BendDistanceMm;
 
+  /// X-rays: an energy, else the tube where it has an anode, else a spectrum (a path or the name of
+  /// a shipped one).
+  std::optional<double> EnergyKeV;
+  XRayTube Tube{ .Anode = "" };
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  /// Layers in the beam, as XRayFilter::FromText reads them.
+  std::vector<std::string> Filters;
+
+  /// The layer whose absorbed photons count, as XRayFilter::FromText reads it. Empty: all do.
+  std::string Scintillator;
+  /// The detector's response in a file (ReadDetectorResponse); excludes a scintillator.
+  std::string ResponseTable;
+  double PixelSpacingMm = 0.1;
+  /// Edge of the voxels through which photons are followed.
+  double VoxelMm = 1;
+
+  /// All that needs no file. The steps of its detector are unit vectors; LoadScene multiplies them
+  /// by PixelSpacingMm.
+  Scene Fixed{
+    .Detector = { .ColumnStep = { 1, 0, 0 }, .RowStep = { 0, 1, 0 }, .Columns = 720, .Rows = 1080 }
+  };
+
+  /// Keys that were given, "detector.photons".
+  std::vector<std::string> Keys;
+  /// Whether a key, or one within its object, was given.
   bool Has(const std::string& key) const;
+  /// Whether source and detector have places; else those of a mammography unit are meant.
+  bool HasSource() const;
+  bool HasDetector() const;
+
+  /// Throws InputError where quantities contradict each other.
+  void Validate() const;
 };
 
+/// What is declared of a key of scene files.
+struct SceneQuantity
+{
+  enum class Kind
+  {
+    Number,
+    /// In the unit of the scene; limits are mm.
+    Length,
+    WholeNumber,
+    Flag,
+    Word,
+    Text,
+    /// A file that is read.
+    File,
+    /// A file, or the name of a shipped one.
+    FileOrName,
+    ListOfTexts,
+    /// Three lengths.
+    Point,
+    /// Three numbers of any scale.
+    Direction,
+    /// Two lengths.
+    Edges,
+    TextsByMaterial,
+    NumbersByMaterial,
+    ListOfSamples
+  };
+  /// How often people set it by hand: programs offer the others in files alone.
+  enum class Use
+  {
+    Rare,
+    Expert,
+    Daily
+  };
+  /// "detector.photons".
+  std::string Key;
+  Kind Type;
+  /// One line, and details after a line break.
+  std::string Help;
+  /// Unit of numbers, or form of texts: "keV", "MATERIAL:MM".
+  std::string Unit = "";
+  /// Range of numbers and absolute limit of coordinates.
+  double Least = 0;
+  double Most = 0;
+  std::vector<std::string> Words = {};
+  Use IsSet = Use::Rare;
+
+  /// That of SceneDescription; empty: none.
+  std::string Default = "";
+};
+
+/// All keys of scene files in the order of their documentation; those within samples are not here.
+MAMMORAYIO_EXPORT const std::vector<SceneQuantity>& SceneQuantities();
+
+/// A value for a key, as people type it.
+struct SceneSetting
+{
+  /// Names the value in messages.
+  std::string Name;
+  /// "detector.photons"; of a quantity by material "iodine.gland".
+  std::string Key;
+  /// One text; several for lists and vectors. Lists and vectors may also be JSON, "[1, 2, 3]".
+  /// Lengths are mm, paths are relative to the working folder.
+  std::vector<std::string> Values;
+};
+
+/// Sets a quantity and notes its key. Throws InputError on an unknown key and an unusable value.
+MAMMORAYIO_EXPORT void SetQuantity(const SceneSetting& setting, SceneDescription& description);
+
 /**
- * Reads a scene from JSON over a description, whose other members stay. Lengths become mm, paths
- * those beside the scene's file. Throws InputError "FILE: samples[2].unit: expected ..., found ..."
- * on an unknown or repeated key, a wrong type, a value out of range (SceneLimits), and a part that
- * lacks what it needs. Files that it names are not read.
+ * Reads a scene from JSON. Lengths become mm, paths those beside the scene's file. Throws
+ * InputError "FILE: samples[2].unit: expected ..., found ..." on an unknown or repeated key, a
+ * wrong type, a value out of range and a part that lacks what it needs. Files that it names are not
+ * read.
  */
-MAMMORAYIO_EXPORT SceneDescription ReadScene(const std::string& path,
-  SceneDescription description = {});
+MAMMORAYIO_EXPORT SceneDescription ReadScene(const std::string& path);
+
+/// The JSON that ReadScene reads: keys that were given, and values other than the default. Lengths
+/// are mm, paths absolute.
+MAMMORAYIO_EXPORT std::string WriteScene(const SceneDescription& description);
+
+/// The X-rays behind all filters. Throws InputError.
+MAMMORAYIO_EXPORT Spectrum FindSpectrum(const SceneDescription& description);
 
 /**
  * The scene with its meshes, tables and spectra. Photons are followed through voxels, which are not
  * made here. Throws InputError, which names the sample, on an unknown material, a surface of
- * several and one that reaches farther than SceneLimits::LengthMm.
+ * several and one that reaches farther than a kilometre.
  */
 MAMMORAYIO_EXPORT Scene LoadScene(const SceneDescription& description);
+
+/// Reads and loads a scene that is complete: it has samples, a source and a detector. Its dose,
+/// which needs voxels, is not asked for. Throws InputError where something is missing.
+MAMMORAYIO_EXPORT Scene LoadScene(const std::string& path);
 }
 
 #endif

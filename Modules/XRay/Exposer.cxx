@@ -3,10 +3,12 @@
 
 #include "Private/FollowedPhotons.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Refraction.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace mammoray
@@ -37,6 +39,14 @@ ExposureOptions WithField(const Scene& scene)
       OpenField(scene.Source, scene.Detector, scene.XRays, scene.Response, scene.Field);
   }
   return options;
+}
+
+/// From the middle of the surface to the detector's plane, mm.
+double DistanceToDetector(const SurfaceMesh& surface, const Scene& scene)
+{
+  const Vector3 normal = DetectorPlane(scene.Source, scene.Detector).Normal;
+  const Extent extent = ExtentsAlong<1>({ normal }, surface.Points)[0];
+  return std::abs(extent.Middle() - Dot(normal, scene.Detector.Origin));
 }
 
 /// What a scatter model depends on.
@@ -246,7 +256,9 @@ Exposure Exposer::Expose(const Scene& scene, const ProgressCallback& progress)
       scene.Detector, beam,
       RefractiveDecrements(scene.XRays, scene.Materials, beam.NumberOfMaterials(),
         internal.Materials),
-      *scene.Refraction, progress);
+      { *scene.Refraction,
+        scene.BendDistanceMm.value_or(DistanceToDetector(*internal.Surface, scene)) },
+      progress);
   }
   else
   {

@@ -87,8 +87,10 @@ struct MAMMORAYXRAY_EXPORT Scene
   /// Heel effect and inverse square law.
   OpenFieldOptions Field;
   SceneScatter Scatter;
-  /// Bends rays. Allows no noise, blur, focal spot, open field or scatter.
-  std::optional<RefractionOptions> Refraction;
+  /// Bends rays. Allows no noise, blur, focal spot, open field or scatter. The distance is that of
+  /// RefractionOptions; default: from the middle of the samples along the detector's normal.
+  std::optional<RefractionOptions::Law> Refraction;
+  std::optional<double> BendDistanceMm;
   /// Whether Exposure::Dose is wanted, and at which height over the detector the air kerma is
   /// stated, mm. Default: where the ray that meets the detector at right angles enters the box
   /// around the tissue.

@@ -149,14 +149,15 @@ TEST_F(ProjectCommand, CompositionsReplaceTables)
     " --kev 20 --thickness 20 --columns 1 --rows 1 --pixel-spacing 0.01 --overwrite -o " +
     this->Image;
   // 20 mm of water, 0.810 / cm at 20 keV (NIST), three digits; twice as dense.
-  ASSERT_EQ(this->Run(geometry + " --attenuation fat=H2O@1"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(geometry + " --set attenuations.fat=H2O@1"), 0) << this->Errors;
   const float water = MhaValues(this->Image).front();
   EXPECT_NEAR(-std::log(water), 1.62, 0.002);
-  ASSERT_EQ(this->Run(geometry + " --attenuation 'fat=H:0.1119 O:0.8881@2'"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(geometry + " --set 'attenuations.fat=H:0.1119 O:0.8881@2'"), 0)
+    << this->Errors;
   EXPECT_NEAR(-std::log(MhaValues(this->Image).front()), -2 * std::log(water), 1e-3);
-  this->ExpectRefused(geometry + " --attenuation fat=Watr", "unknown attenuation 'Watr'");
-  this->ExpectRefused(geometry + " --attenuation fat", "MATERIAL=ATTENUATION");
-  this->ExpectRefused(geometry + " --attenuation bone=Ca@2", "bone");
+  this->ExpectRefused(geometry + " --set attenuations.fat=Watr", "unknown attenuation 'Watr'");
+  this->ExpectRefused(geometry + " --set attenuations.fat", "KEY=VALUE");
+  this->ExpectRefused(geometry + " --set attenuations.bone=Ca@2", "bone");
 }
 
 TEST_F(ProjectCommand, OverlapIsToldAndFollowsTheRule)
@@ -189,14 +190,14 @@ TEST_F(ProjectCommand, OverlapIsToldAndFollowsTheRule)
   const auto lengths = [&] { return MhaValues(this->Folder.File("lengths.mha")); };
   EXPECT_THAT(lengths().front(), testing::FloatNear(10, 1e-4f));
   EXPECT_THAT(lengths().back(), testing::FloatNear(7, 1e-4f));
-  ASSERT_EQ(this->Run(options + " --overlap-priority stone"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(options + " --set overlap-priority=stone"), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(lengths().front(), testing::FloatNear(5, 1e-4f));
   EXPECT_THAT(lengths().back(), testing::FloatNear(7, 1e-4f));
-  ASSERT_EQ(this->Run(options + " --overlap-priority fat"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(options + " --set overlap-priority=fat"), 0) << this->Errors;
   EXPECT_THAT(lengths().front(), testing::FloatNear(10, 1e-4f));
   EXPECT_THAT(lengths().back(), testing::FloatNear(2, 1e-4f));
-  this->ExpectRefused(options + " --overlap-priority bone", "bone");
+  this->ExpectRefused(options + " --set overlap-priority=bone", "bone");
 }
 
 TEST_F(ProjectCommand, ASmallOverlapInALargeSurfaceIsTold)
@@ -241,8 +242,9 @@ TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
     testing::HasSubstr("Mo 28 kVp, 0.03 mm Mo, mean 16.7 keV, half-value layer 0.287 mm Al"));
   const std::vector<float> plain = MhaValues(this->Image);
   ASSERT_EQ(this->Run(options +
-              " --tube Mo --kvp 28 --filter Mo:0.03 --inverse-square --heel 22 0.5"
-              " --half-modulation 0.2"),
+              " --tube Mo --kvp 28 --filter Mo:0.03 --set source.inverse-square=true"
+              " --set source.heel.angle=22 --set source.heel.depth-um=0.5"
+              " --set detector.half-modulation=0.2"),
     0)
     << this->Errors;
   const std::vector<float> unit = MhaValues(this->Image);
@@ -250,23 +252,28 @@ TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
   EXPECT_NEAR(unit[5 * 30] / plain[5 * 30], 1, 0.01);
   EXPECT_LT(unit[5 * 30 + 25], plain[5 * 30 + 25] * 0.99);
   this->ExpectRefused(options + " --tube Mo --filter Mo", "MATERIAL[@DENSITY]:MM");
-  this->ExpectRefused(options + " --tube Mo --kev 20", "--kev");
-  this->ExpectRefused(options + " --electronic-noise 3", "photons per pixel");
-  this->ExpectRefused(options + " --heel 95 1", "target angle");
+  this->ExpectRefused(options + " --tube Mo --kev 20",
+    "beam: expected one of kev, spectrum, and tube");
+  this->ExpectRefused(options + " --set detector.electronic-noise=3", "photons per pixel");
+  this->ExpectRefused(options + " --set source.heel.angle=95",
+    "source.heel.angle: expected a number from 0.1");
   EXPECT_EQ(this->Run(options + " --tube Cu"), 2);
   EXPECT_EQ(this->Run(options + " --tube W --kvp 50"), 2);
 }
 
 TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
 {
-  this->ExpectRefused(this->Inputs + " --grid 5 31 65 -o " + this->Image, "expected --scatter");
+  this->ExpectRefused(this->Inputs + " --set scatter.grid.ratio=5 -o " + this->Image,
+    "expected scatter");
   this->ExpectRefused(this->Inputs + " --scatter kernels --source 0 0 600 -o " + this->Image,
-    "expected --air-gap");
+    "scatter.air-gap: expected");
   this->ExpectRefused(this->Inputs +
-      " --scatter kernels --refraction geometric --attenuation fat=H2O -o " + this->Image,
+      " --scatter kernels --set refraction.law=geometric --set attenuations.fat=H2O -o " +
+      this->Image,
     "or scatter");
-  this->ExpectRefused(this->Inputs + " --scatter kernels --grid 0.1 31 65 -o " + this->Image,
-    "expected a ratio");
+  this->ExpectRefused(this->Inputs + " --scatter kernels --set scatter.grid.ratio=0.1 -o " +
+      this->Image,
+    "scatter.grid.ratio: expected a number from 1 to 30");
   if (!HasDevice())
   {
     GTEST_SKIP() << "no Vulkan device";
@@ -289,12 +296,12 @@ TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
   };
   const double primary = middle("");
   const double kernels = middle(" --scatter kernels") - primary;
-  const double followed = middle(" --scatter monte-carlo --mc-photons 1e6") - primary;
+  const double followed = middle(" --scatter monte-carlo --set scatter.photons=1e6") - primary;
   EXPECT_GT(kernels, 0.03 * primary);
   // Fat where the kernels have 25 % of gland, and a brick as small as what scatter travels: 15 %.
   EXPECT_NEAR(kernels, followed, 0.15 * followed);
-  EXPECT_LT(middle(" --scatter kernels --grid 5 31 65") - primary, 0.4 * kernels);
-  EXPECT_LT(middle(" --scatter kernels --air-gap 100") - primary, 0.7 * kernels);
+  EXPECT_LT(middle(" --scatter kernels --set scatter.grid.ratio=5") - primary, 0.4 * kernels);
+  EXPECT_LT(middle(" --scatter kernels --set scatter.air-gap=100") - primary, 0.7 * kernels);
 }
 
 TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)
@@ -307,7 +314,9 @@ TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  ASSERT_EQ(this->Run(options + picture + " --unit realistic --display --dose --mc-photons 1e5"), 0)
+  ASSERT_EQ(
+    this->Run(options + picture + " --unit realistic --display --dose --set scatter.photons=1e5"),
+    0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("W 29 kVp, 0.05 mm Rh"));
   EXPECT_THAT(this->Output, testing::HasSubstr("22.0 mm above the detector; "));
@@ -333,8 +342,10 @@ TEST_F(ProjectCommand, NoiseAndFocalSpot)
   }
   // All of the 60 x 25 pixels of 0.5 mm see the brick, 20 mm of fat.
   const std::string options = this->Inputs +
-    " --kev 20 --thickness 20 --columns 60 --rows 25 --pixel-spacing 0.5 --response counting"
-    " --focal-spot 0.3 0.3 --focal-spot-samples 2 --photons 2000 --seed 5 --overwrite -o " +
+    " --kev 20 --thickness 20 --columns 60 --rows 25 --pixel-spacing 0.5 --set "
+    "detector.response=counting"
+    " --set 'source.focal-spot=[0.3, 0.3]' --set source.focal-spot-samples=2 --photons 2000"
+    " --set detector.seed=5 --overwrite -o " +
     this->Image;
   ASSERT_EQ(this->Run(options), 0) << this->Errors;
   const std::vector<float> values = MhaValues(this->Image);
@@ -369,8 +380,8 @@ TEST_F(ProjectCommand, RefusesInOneLine)
       output,
     "no such file");
   this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("image.jpg"), ".png");
-  this->ExpectRefused(this->Inputs + " -o " + this->Image + " --attenuation fat=adipose@920",
-    "expected a density from 0.5 to 3 g/cm3, found 920; set --accept-unusual");
+  this->ExpectRefused(this->Inputs + " -o " + this->Image + " --set attenuations.fat=adipose@920",
+    "density up to 25 g/cm3, found 'adipose@920'");
   this->ExpectRefused(this->Inputs + output + " --spectrum W99", "W28kVp");
   this->ExpectRefused(this->Inputs + output + " --orientation XYZ", "orientation");
   this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");
@@ -473,7 +484,7 @@ TEST_F(ProjectCommand, WrongUsageSaysWhatWasExpected)
   for (const char* number : { "nan", "inf", "-1", "0", "one" })
   {
     expectUsage(project + " --pixel-spacing " + number,
-      std::string("--pixel-spacing: expected a number greater than 0, found ") + number + "\n");
+      std::string("--pixel-spacing: expected a number from 1e-06 to 1000, found ") + number + "\n");
   }
   expectUsage(project + " --photons nan",
     "--photons: expected a number from 0 to 1e+12, found nan\n");

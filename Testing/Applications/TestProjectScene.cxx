@@ -137,18 +137,43 @@ TEST_F(ProjectScene, OverlapPriorityAndMaterialsOfATable)
   const std::vector<float> length = MhaValues(this->Folder.File("l.mha"));
   EXPECT_NEAR(length[0], 99.9, 1e-4);
   EXPECT_NEAR(length[1], 0.1, 1e-4);
-  this->ExpectRefused(this->Scene(scene) + " --overlap-priority water", "overlap-priority in ");
-  this->ExpectRefused(this->Scene(scene) + " --materials victre", "found materials in ");
+  ASSERT_EQ(this->Run(this->Scene(scene) + " --set overlap-priority=water --path-lengths " +
+              this->Folder.File("l.mha")),
+    0)
+    << this->Errors;
+  EXPECT_NEAR(MhaValues(this->Folder.File("l.mha"))[0], 100, 1e-4);
 }
 
-TEST_F(ProjectScene, SaysNothingTwice)
+TEST_F(ProjectScene, OptionsGoBeforeTheFile)
 {
-  for (const std::string option : { "--beam-direction 0 1 0", "--detector-origin 0 0 0",
-         "--columns 32", "--kev 60", "--filter Al:1", "--mesh x.vtu" })
+  const std::string changed = " --kev 40 --filter Al:2 --columns 16 --detector-origin -7 200 5.5";
+  ASSERT_EQ(this->Run(this->Scene(WholeScene) + changed), 0) << this->Errors;
+  const std::string image = ReadFile(this->Folder.File("image.mha"));
+  std::string scene = WholeScene;
+  for (const auto& [what, by] : { std::pair("60", "40"), { "Al:1", "Al:2" },
+         { "\"columns\": 32", "\"columns\": 16" }, { "-15.5", "-7" } })
   {
-    this->ExpectRefused(this->Scene(WholeScene) + (' ' + option),
-      option.substr(0, option.find(' ')).append(": expected it in the scene or as an option"));
+    scene.replace(scene.find(what), std::string(what).size(), by);
   }
+  ASSERT_EQ(this->Run(this->Scene(scene)), 0) << this->Errors;
+  EXPECT_EQ(ReadFile(this->Folder.File("image.mha")), image);
+  // A scene that is printed makes the same picture.
+  ASSERT_EQ(this->Run(this->Scene(WholeScene) + changed + " --print-scene"), 0) << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("Ti90Al6V4@4.43"));
+  ASSERT_EQ(this->Run(this->Scene(this->Output)), 0) << this->Errors;
+  EXPECT_EQ(ReadFile(this->Folder.File("image.mha")), image);
+}
+
+TEST_F(ProjectScene, RefusesContradictions)
+{
+  this->ExpectRefused(this->Scene(WholeScene) + " --beam-direction 0 1 0", "found both");
+  this->ExpectRefused(this->Scene(WholeScene) + " --tube W", "found several");
+  this->ExpectRefused(this->Scene(WholeScene) + " --mesh x.vtu", "x.vtu: no such");
+  this->ExpectRefused(this->Scene(WholeScene) + " --surface Al=x.stl", "expected no samples in ");
+  this->ExpectRefused(this->Scene(WholeScene) + " --set detector.colums=3",
+    "--set detector.colums: no quantity 'detector.colums'; did you mean detector.columns");
+  this->ExpectRefused(this->Scene(WholeScene) + " --set detector.columns=3.5",
+    "--set detector.columns: expected a whole number from 1 to 65535, found 3.5");
   this->ExpectRefused(this->Scene("{}"), "or a --scene with samples, found neither");
   this->ExpectRefused(this->Scene(R"({"samples": [{"file": "none.stl", "material": "Al"}]})"),
     "none.stl: no such");

@@ -269,16 +269,17 @@ TEST_F(ProjectSeries, DetectorsOfLayersAndTables)
     return ReadIntensityFile(this->Stack).Voxels.at(0);
   };
   // A thick layer detects all, a thin one the softer photons rather; a table says so itself.
-  EXPECT_NEAR(through(" --scintillator CsI@4.51:20"), through(""), 1e-6);
-  EXPECT_LT(through(" --scintillator CsI@4.51:0.01"), 0.99 * through(""));
+  EXPECT_NEAR(through(" --set detector.scintillator=CsI@4.51:20"), through(""), 1e-6);
+  EXPECT_LT(through(" --set detector.scintillator=CsI@4.51:0.01"), 0.99 * through(""));
   this->Folder.Write("energy.csv", "1, 1\n100, 100\n");
-  EXPECT_NEAR(through(" --response-table " + this->Folder.File("energy.csv")), through(""), 1e-6);
+  EXPECT_NEAR(through(" --set detector.response-table=" + this->Folder.File("energy.csv")),
+    through(""), 1e-6);
   this->Folder.Write("one.csv", "20, 1\n");
-  EXPECT_NEAR(through(" --response-table " + this->Folder.File("one.csv")),
-    through(" --response counting"), 1e-6);
+  EXPECT_NEAR(through(" --set detector.response-table=" + this->Folder.File("one.csv")),
+    through(" --set detector.response=counting"), 1e-6);
   this->ExpectRefused("project --surface 'Water, Liquid=" + box +
-      "' --scintillator CsI:1 --response-table " + this->Folder.File("one.csv") +
-      " --overwrite -o " + this->Stack,
+      "' --set detector.scintillator=CsI:1 --set detector.response-table=" +
+      this->Folder.File("one.csv") + " --overwrite -o " + this->Stack,
     "found both");
 }
 
@@ -303,8 +304,8 @@ TEST_F(ProjectSeries, DualEnergyLeavesTheIodine)
     "0 --columns 3 --rows 1 --pixel-spacing 20 --overwrite --cancel fat gland --cancel-thickness "
     "40";
   ASSERT_EQ(this->Run(inputs +
-              " --tube W --kvp 28 --filter Rh:0.05 --high-kvp 42 --high-filter Cu:0.3 "
-              "--iodine enhanced=2 -o " +
+              " --tube W --kvp 28 --filter Rh:0.05 --high kvp=42 filter=Cu:0.3 "
+              "--set iodine.enhanced=2 -o " +
               this->Stack),
     0)
     << this->Errors;
@@ -329,11 +330,12 @@ TEST_F(ProjectSeries, DualEnergyLeavesTheIodine)
   EXPECT_GT(recombined[2] - recombined[1], 0.05);
 
   this->ExpectRefused(inputs + " -o " + this->Stack, "found none");
-  this->ExpectRefused(inputs + " --high-kev 35 --high-kvp 40 -o " + this->Stack, "found several");
-  this->ExpectRefused(inputs + " --high-kvp 40 -o " + this->Stack, "--tube");
-  this->ExpectRefused(inputs + " --high-kev 35 --iodine enhanced=-1 -o " + this->Stack, "0 to 500");
-  this->ExpectRefused(inputs + " --high-kev 35 -o " + this->Folder.File("a.png"), "one picture");
-  this->ExpectRefused(inputs + " --high-kev 35 --turn 3 -o " + this->Stack, "one picture");
+  this->ExpectRefused(inputs + " --high kev=35 kvp=40 -o " + this->Stack, "found several");
+  this->ExpectRefused(inputs + " --high kvp=40 -o " + this->Stack, "--tube");
+  this->ExpectRefused(inputs + " --high kev=35 --set iodine.enhanced=-1 -o " + this->Stack,
+    "0 to 500");
+  this->ExpectRefused(inputs + " --high kev=35 -o " + this->Folder.File("a.png"), "one picture");
+  this->ExpectRefused(inputs + " --high kev=35 --turn 3 -o " + this->Stack, "one picture");
 }
 
 TEST_F(ProjectSeries, RefusesWhatDoesNotGoTogether)

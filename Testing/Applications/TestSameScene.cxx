@@ -72,9 +72,10 @@ protected:
     // Path lengths are the channels of a pixel there.
     const std::vector<float> channels = MhaValues(this->Folder.File("l.mha"));
     Pictures pictures{ MhaValues(this->Folder.File("t.mha")), {} };
-    for (std::size_t material = 0; material < 2; ++material)
+    const std::size_t materials = channels.size() / pictures.Transmission.size();
+    for (std::size_t material = 0; material < materials; ++material)
     {
-      for (std::size_t pixel = material; pixel < channels.size(); pixel += 2)
+      for (std::size_t pixel = material; pixel < channels.size(); pixel += materials)
       {
         pictures.Lengths.push_back(channels[pixel]);
       }
@@ -90,6 +91,36 @@ protected:
     return { std::move(exposure.Transmission),
       { all.begin() + static_cast<std::ptrdiff_t>(exposure.Lengths->NumberOfPixels()),
         all.end() } };
+  }
+
+  static Pictures PicturesOf(vtkXRayProjector* filter, const Scene& scene)
+  {
+    filter->Update();
+    const auto add = [&](const std::string& array, std::vector<float>& values)
+    {
+      vtkDataArray* found = filter->GetOutput()->GetPointData()->GetArray(array.c_str());
+      ASSERT_NE(found, nullptr) << array;
+      const auto* begin = static_cast<const float*>(found->GetVoidPointer(0));
+      values.insert(values.end(), begin, begin + found->GetNumberOfTuples());
+    };
+    Pictures pictures;
+    add("Transmission", pictures.Transmission);
+    for (std::size_t material = 1; material < scene.Materials.Materials.size(); ++material)
+    {
+      add("PathLength_" + scene.Materials.Materials[material].Name, pictures.Lengths);
+    }
+    return pictures;
+  }
+
+  Pictures ByFilterOfFile(const std::string& path, const Scene& scene)
+  {
+    vtkNew<vtkXRayProjector> filter;
+    filter->SetSceneFile(path.c_str());
+    const Pictures pictures = PicturesOf(filter, scene);
+    int extent[6];
+    filter->GetOutput()->GetExtent(extent);
+    EXPECT_EQ(extent[1], scene.Detector.Columns - 1);
+    return pictures;
   }
 
   Pictures ByFilter(const Scene& scene)
@@ -114,21 +145,9 @@ protected:
     if (scene.Refraction)
     {
       filter->SetRefraction(vtkXRayProjector::GEOMETRIC);
-      filter->SetBendDistanceMm(scene.Refraction->DistanceMm);
+      filter->SetBendDistanceMm(*scene.BendDistanceMm);
     }
-    filter->Update();
-    const auto add = [&](const char* array, std::vector<float>& values)
-    {
-      vtkDataArray* found = filter->GetOutput()->GetPointData()->GetArray(array);
-      ASSERT_NE(found, nullptr) << array;
-      const auto* begin = static_cast<const float*>(found->GetVoidPointer(0));
-      values.insert(values.end(), begin, begin + found->GetNumberOfTuples());
-    };
-    Pictures pictures;
-    add("Transmission", pictures.Transmission);
-    add("PathLength_fat", pictures.Lengths);
-    add("PathLength_gland", pictures.Lengths);
-    return pictures;
+    return PicturesOf(filter, scene);
   }
 
   template <typename Value>
@@ -148,8 +167,8 @@ protected:
     return values;
   }
 
-  /// Runs a script on the scene as plain arrays, in the folder of the test.
-  void RunScript(const Scene& scene, const std::string& command)
+  /// Writes the scene as plain arrays.
+  void WriteArrays(const Scene& scene)
   {
     const SurfaceMesh& surface = *scene.Samples.front().Surface;
     std::vector<double> sides;
@@ -186,43 +205,55 @@ protected:
     place.insert(place.end(),
       { double(detector.Columns), double(detector.Rows), double(detector.Samples),
         scene.Detection.PhotonsPerPixel, double(scene.Detection.Seed), bends ? 1.0 : 0.0,
-        bends ? scene.Refraction->DistanceMm : 0.0 });
+        bends ? *scene.BendDistanceMm : 0.0 });
     this->Write("place", place);
+  }
+
+  /// Runs a script in the folder of the test.
+  Pictures RunScript(const std::string& command)
+  {
     const std::string log = this->Folder.File("log");
-    ASSERT_EQ(std::system(
+    EXPECT_EQ(std::system(
                 ("cd " + this->Folder.File("") + " && " + command + " >" + log + " 2>&1").c_str()),
       0)
       << test::ReadFile(log);
-  }
-
-  Pictures ByPython(const Scene& scene)
-  {
-    this->RunScript(scene, std::string(MAMMORAY_TEST_PYTHON) + "/sameScene.py");
     return { this->Read<float>("transmission"), this->Read<float>("lengths") };
   }
 
-  Pictures ByOctave(const Scene& scene)
+  /// Compares all that read the scene's file.
+  Pictures ExpectTheSameOfFile(const std::string& path, const Scene& scene)
   {
-    this->RunScript(scene, std::string(MAMMORAY_TEST_OCTAVE) + "/sameScene.m");
-    return { this->Read<float>("transmission"), this->Read<float>("lengths") };
+    Pictures expected = ByExposer(scene);
+    EXPECT_TRUE(this->ByCommand(path) == expected);
+    EXPECT_TRUE(this->ByFilterOfFile(path, scene) == expected);
+    if (*MAMMORAY_TEST_PYTHON)
+    {
+      EXPECT_TRUE(
+        this->RunScript(std::string(MAMMORAY_TEST_PYTHON) + "/sameScene.py file") == expected);
+    }
+    if (*MAMMORAY_TEST_OCTAVE)
+    {
+      EXPECT_TRUE(
+        this->RunScript(std::string(MAMMORAY_TEST_OCTAVE) + "/sameScene.m file") == expected);
+    }
+    return expected;
   }
 
-  /// Compares all that can make the scene's picture.
+  /// Compares, beside these, properties and arrays that say the same as a file of body and table.
   void ExpectTheSame(const std::string& path, bool octaveToo, bool pythonToo = true)
   {
-    SceneDescription description = ReadScene(path);
-    Scene scene = LoadScene(description);
-    const Pictures expected = ByExposer(scene);
+    const Scene scene = LoadScene(path);
+    const Pictures expected = this->ExpectTheSameOfFile(path, scene);
     ASSERT_EQ(expected.Transmission.size(), 41u * 33);
-    EXPECT_TRUE(this->ByCommand(path) == expected);
     EXPECT_TRUE(this->ByFilter(scene) == expected);
+    this->WriteArrays(scene);
     if (pythonToo && *MAMMORAY_TEST_PYTHON)
     {
-      EXPECT_TRUE(this->ByPython(scene) == expected);
+      EXPECT_TRUE(this->RunScript(std::string(MAMMORAY_TEST_PYTHON) + "/sameScene.py") == expected);
     }
     if (octaveToo && *MAMMORAY_TEST_OCTAVE)
     {
-      EXPECT_TRUE(this->ByOctave(scene) == expected);
+      EXPECT_TRUE(this->RunScript(std::string(MAMMORAY_TEST_OCTAVE) + "/sameScene.m") == expected);
     }
   }
 };
@@ -248,4 +279,48 @@ TEST_F(SameScene, ScattersAlike)
 {
   this->ExpectTheSame(
     this->WriteScene("", R"(, "scatter": { "method": "kernels", "air-gap": 20 })"), false, false);
+}
+
+// Everything that a file can say at once, but what excludes each other.
+TEST_F(SameScene, OfManySamplesInAWholeUnit)
+{
+  SurfaceMesh box;
+  shapes::AddBox(box, { -10, -10, -10 }, { 10, 10, 10 }, 1);
+  WriteMesh(ToPolyData(box, {}), this->Folder.File("box.stl"));
+  SurfaceMesh ball;
+  shapes::AddSphere(ball, { 0, 0, 0 }, 12, 3, 1);
+  WriteMesh(ToPolyData(ball, {}), this->Folder.File("ball.obj"));
+  const std::string path = this->Folder.Write("scene.json", R"({ "unit": "cm",
+    "materials": "table.json", "attenuations": { "gland": "Water, Liquid@1.05" },
+    "iodine": { "gland": 2 },
+    "samples": [ { "file": "box.stl", "material": "fat", "translation": [0, 0, 4],
+        "rotation": { "axis": [1, 2, 3], "angle": 40 } },
+      { "file": "ball.obj", "material": "gland", "translation": [0.5, 0.2, 4] },
+      { "file": "ball.obj", "material": "Al", "unit": "mm", "translation": [2, -1, 5] },
+      { "file": "box.stl", "material": "CaCO3@2.7", "unit": "mm", "translation": [-2, 1, 3] } ],
+    "overlap-priority": [ "gland", "fat" ],
+    "source": { "position": [0.3, -0.7, 65], "focal-spot": [0.03, 0.03], "focal-spot-samples": 2,
+      "inverse-square": true, "heel": { "angle": 20 } },
+    "detector": { "origin": [-3, -3, 0.1], "column-direction": [1, 0.1, 0],
+      "row-direction": [-0.1, 1, 0], "columns": 31, "rows": 27, "pixel-spacing": 0.2, "samples": 2,
+      "scintillator": "CsI@4.51:0.15", "photons": 5000, "electronic-noise": 3,
+      "half-modulation": 0.3, "seed": 11 },
+    "beam": { "tube": "W", "kvp": 30, "filter": [ "Rh:0.05", "Air, Dry (near sea level):600" ] },
+    "scatter": { "method": "kernels", "air-gap": 2, "grid": { "ratio": 5 } } })");
+  const Scene scene = LoadScene(path);
+  const Pictures pictures = this->ExpectTheSameOfFile(path, scene);
+  EXPECT_EQ(pictures.Transmission.size(), 31u * 27);
+  EXPECT_EQ(pictures.Lengths.size(), 4u * 31 * 27);
+  // What is written makes the same picture.
+  const std::string written =
+    this->Folder.Write("written.json", mammoray::WriteScene(ReadScene(path)));
+  const Pictures again = ByExposer(LoadScene(written));
+  EXPECT_EQ(again.Lengths, pictures.Lengths);
+  EXPECT_EQ(again.Transmission, pictures.Transmission);
+}
+
+TEST_F(SameScene, BendsRaysFromTheMiddleOfTheSamples)
+{
+  const std::string path = this->WriteScene("", R"(, "refraction": { "law": "near-field" })");
+  this->ExpectTheSameOfFile(path, LoadScene(path));
 }

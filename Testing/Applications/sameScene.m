@@ -13,6 +13,12 @@ function put (name, pictures)
   fclose (file);
 end
 
+if any (strcmp (argv (), 'file'))
+  [image, lengths] = mammoray_project ('scene.json');
+  put ('transmission', image);
+  put ('lengths', lengths);
+  return
+end
 place = numbers ('place', 1);
 detector = struct ('origin', place(4:6)', 'column_step', place(7:9)', 'row_step', place(10:12)', ...
                    'columns', place(13), 'rows', place(14), 'samples', place(15));

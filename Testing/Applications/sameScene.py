@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene of TestSameScene.cxx, whose arrays lie in this folder, by mammoray.project."""
+"""The scene of TestSameScene.cxx by mammoray.project_scene (argument: file), or, of arrays in this folder, by mammoray.project."""
+import sys
+
 import mammoray
 import numpy
 
+if sys.argv[1:] == ["file"]:
+    image = mammoray.project_scene("scene.json")
+    image.transmission.tofile("transmission")
+    image.path_lengths[1:].tofile("lengths")
+    sys.exit()
 place = numpy.fromfile("place")
 columns, rows, samples, photons, seed, bends, distance = place[12:]
 image = mammoray.project(

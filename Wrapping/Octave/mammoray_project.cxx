@@ -2,6 +2,7 @@
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
+#include "mammoray/IO/SceneIO.h"
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
@@ -405,9 +406,9 @@ mxArray* ToConsistency(const PathLengthImage& image)
 
 void CheckCounts(int outputCount, int inputCount)
 {
-  if (inputCount < 6 || inputCount > 8 || outputCount > 5)
+  if ((inputCount != 1 && inputCount < 6) || inputCount > 8 || outputCount > 5)
   {
-    throw InputError("expected 6 to 8 arguments and at most 5 results, found " +
+    throw InputError("expected 1 or 6 to 8 arguments and at most 5 results, found " +
       std::to_string(inputCount) + " and " + std::to_string(outputCount) +
       "; see 'help mammoray_project'");
   }
@@ -417,9 +418,22 @@ void CheckCounts(int outputCount, int inputCount)
   }
 }
 
-void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray* inputs[])
+/// The scene of a file.
+Scene ReadSceneFile(const mxArray* path)
 {
-  CheckCounts(outputCount, inputCount);
+  char* const text = mxIsChar(path) ? mxArrayToString(path) : nullptr;
+  if (!text)
+  {
+    throw InputError("expected the path of a scene as the only argument");
+  }
+  const std::string file = text;
+  mxFree(text);
+  return LoadScene(file);
+}
+
+/// The scene of arguments 1 to 7.
+Scene MakeScene(int inputCount, const mxArray* inputs[])
+{
   const Matrix attenuation = ToMatrix(inputs[3], "attenuation");
   if (attenuation.Rows() < 1 || attenuation.Rows() > 65535 || attenuation.Columns() < 1)
   {
@@ -431,18 +445,26 @@ void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray*
   scene.Source = ToSource(inputs[4]);
   scene.Detector = ToDetector(inputs[5]);
   SetBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr, scene);
-  const VectorFields velocities = inputCount > 7
+  return scene;
+}
+
+void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray* inputs[])
+{
+  CheckCounts(outputCount, inputCount);
+  const Scene scene = inputCount == 1 ? ReadSceneFile(inputs[0]) : MakeScene(inputCount, inputs);
+  const std::vector<double> velocities = inputCount > 7
     ? ToVelocities(inputs[7], scene.Samples.front().Surface->NumberOfPoints())
-    : VectorFields();
+    : std::vector<double>();
   Exposer exposer;
   const Exposure exposure = exposer.Expose(scene);
   const PathLengthImage& lengths = *exposure.Lengths;
+  const std::size_t regions = scene.Attenuations.size() - 1;
   outputs[0] = ToPictures(exposure.Transmission, SizeOf(scene));
   if (outputCount > 1)
   {
     outputs[1] = ToPictures(OfRegions(lengths.Lengths, lengths.NumberOfPixels(),
-                              static_cast<std::size_t>(lengths.Materials), attenuation.Rows()),
-      SizeOf(scene, { attenuation.Rows() }));
+                              static_cast<std::size_t>(lengths.Materials), regions),
+      SizeOf(scene, { regions }));
   }
   if (outputCount > 2)
   {

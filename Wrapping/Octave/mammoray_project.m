@@ -2,11 +2,14 @@
 %
 %   IMAGE = mammoray_project (VERTICES, FACES, REGIONS, ATTENUATION, SOURCE, DETECTOR)
 %   [IMAGE, LENGTHS, CONSISTENCY] = mammoray_project (..., WEIGHTS)
+%   [IMAGE, LENGTHS, CONSISTENCY] = mammoray_project (SCENE)
 %   [..., DLENGTHS, DIMAGE] = mammoray_project (..., WEIGHTS, VELOCITIES)
 %
 %   Sends an X-ray from the source to every pixel, sums its length in each region between the
 %   triangles and applies the Beer-Lambert law. The first Vulkan device of 'mammoray devices' works.
 %
+%   SCENE        path of a scene file (.json) with samples or a mesh, source and detector, as of
+%                'mammoray project --scene'; K is its number of materials but air.
 %   VERTICES     n x 3, positions, mm.
 %   FACES        m x 3, rows of VERTICES, from 1. A triangle's front is where its normal
 %                (p2 - p1) x (p3 - p1) points to.

@@ -3,6 +3,9 @@
 // shapes and types before, so that what arrives here fits.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Meshes.h"
+#ifdef MAMMORAY_WITH_SCENES
+#include "mammoray/IO/SceneIO.h"
+#endif
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposer.h"
@@ -75,6 +78,24 @@ Scene MakeScene(const std::vector<double>& energies, const std::vector<double>& 
   return scene;
 }
 
+/// What _projection.Projection is made of.
+py::dict ToDict(const Exposure& exposure)
+{
+  const PathLengthImage& lengths = *exposure.Lengths;
+  py::dict result;
+  result["transmission"] = ToArray(exposure.Transmission, { lengths.Rows, lengths.Columns });
+  result["log_attenuation"] = ToArray(exposure.LogAttenuation, { lengths.Rows, lengths.Columns });
+  result["path_lengths"] =
+    ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
+  result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
+  result["warning"] = lengths.InconsistencyWarning();
+  if (!exposure.Deflection.empty())
+  {
+    result["deflection"] = ToArray(exposure.Deflection, { 2, lengths.Rows, lengths.Columns });
+  }
+  return result;
+}
+
 /// A mesh on a device.
 class MeshProjector
 {
@@ -127,18 +148,7 @@ public:
       const py::gil_scoped_release released;
       exposure = this->Device.Expose(scene, GoesOn);
     }
-    const PathLengthImage& lengths = *exposure.Lengths;
-    py::dict result;
-    result["transmission"] = ToArray(exposure.Transmission, { lengths.Rows, lengths.Columns });
-    result["log_attenuation"] = ToArray(exposure.LogAttenuation, { lengths.Rows, lengths.Columns });
-    result["path_lengths"] =
-      ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
-    result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
-    result["warning"] = lengths.InconsistencyWarning();
-    if (!exposure.Deflection.empty())
-    {
-      result["deflection"] = ToArray(exposure.Deflection, { 2, lengths.Rows, lengths.Columns });
-    }
+    py::dict result = ToDict(exposure);
     if (velocities)
     {
       this->AddDerivatives(scene, *velocities, result);
@@ -204,6 +214,23 @@ private:
   std::shared_ptr<const SurfaceMesh> Surface;
   std::vector<std::int32_t> PointIds;
 };
+
+#ifdef MAMMORAY_WITH_SCENES
+py::dict ProjectScene(const std::string& path, const std::string& method, const std::string& device)
+{
+  Scene scene;
+  Exposure exposure;
+  {
+    const py::gil_scoped_release released;
+    scene = LoadScene(path);
+    exposure =
+      Exposer({ .Projection = MethodFromName(method), .Device = device }).Expose(scene, GoesOn);
+  }
+  py::dict result = ToDict(exposure);
+  result["names"] = scene.Materials.Names();
+  return result;
+}
+#endif
 
 /// What a material table says, as _projection.Material takes it.
 py::list Materials(const std::string& pathOrName)
@@ -310,9 +337,9 @@ PYBIND11_MODULE(_xray, module)
     .def("refract",
       [](Scene& scene, const std::string& law, double distanceMm)
       {
-        scene.Refraction = { law == "geometric" ? RefractionOptions::Law::Geometric
-                                                : RefractionOptions::Law::NearField,
-          distanceMm };
+        scene.Refraction = law == "geometric" ? RefractionOptions::Law::Geometric
+                                              : RefractionOptions::Law::NearField;
+        scene.BendDistanceMm = distanceMm;
       });
   py::class_<MeshProjector>(module, "Projector")
     .def(py::init<const Array<double>&, const Array<std::int32_t>&, const Array<std::uint16_t>&,
@@ -332,4 +359,7 @@ PYBIND11_MODULE(_xray, module)
     [](const Scene& low, const Scene& high, int first, int second, double thicknessMm)
     { return CancellingWeight(MakeBeam(low), MakeBeam(high), first, second, thicknessMm); });
   module.def("devices", &Devices);
+#ifdef MAMMORAY_WITH_SCENES
+  module.def("project_scene", &ProjectScene);
+#endif
 }

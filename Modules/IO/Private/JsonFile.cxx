@@ -66,8 +66,17 @@ nlohmann::json ParseJsonFile(const std::string& path, const std::string& what)
   return parsed;
 }
 
-JsonObject::JsonObject(const Json& value, std::string place,
-  std::initializer_list<const char*> keys)
+void RefuseJson(const std::string& place, const std::string& expected, const nlohmann::json* found)
+{
+  std::string text = found ? found->dump() : "nothing";
+  if (text.size() > 60)
+  {
+    text = text.substr(0, 57) + "...";
+  }
+  throw InputError(place + ": expected " + expected + ", found " + text);
+}
+
+JsonObject::JsonObject(const Json& value, std::string place, const std::vector<std::string>& keys)
   : Value(value)
   , Place(std::move(place))
 {
@@ -80,9 +89,9 @@ JsonObject::JsonObject(const Json& value, std::string place,
     if (std::find(keys.begin(), keys.end(), key) == keys.end())
     {
       std::string known;
-      for (const char* name : keys)
+      for (const std::string& name : keys)
       {
-        known += (known.empty() ? "" : ", ") + std::string(name);
+        known += (known.empty() ? "" : ", ") + name;
       }
       throw InputError(this->Place + ": unknown key '" + key + "', expected " + known);
     }
@@ -90,7 +99,7 @@ JsonObject::JsonObject(const Json& value, std::string place,
 }
 
 JsonObject JsonObject::Root(const Json& value, const std::string& path,
-  std::initializer_list<const char*> keys)
+  const std::vector<std::string>& keys)
 {
   JsonObject root(value, path, keys);
   root.IsRoot = true;
@@ -104,13 +113,7 @@ std::string JsonObject::PlaceOf(const std::string& key) const
 
 void JsonObject::Refuse(const std::string& key, const std::string& expected) const
 {
-  const auto found = this->Value.find(key);
-  std::string text = found == this->Value.end() ? "nothing" : found->dump();
-  if (text.size() > 60)
-  {
-    text = text.substr(0, 57) + "...";
-  }
-  throw InputError(this->PlaceOf(key) + ": expected " + expected + ", found " + text);
+  RefuseJson(this->PlaceOf(key), expected, this->Find(key));
 }
 
 const JsonObject::Json* JsonObject::Find(const std::string& key) const

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,10 @@ namespace mammoray
 /// it cannot be read, on anything but JSON, on repeated keys, and on nesting deeper than 16.
 nlohmann::json ParseJsonFile(const std::string& path, const std::string& what);
 
+/// Throws InputError "PLACE: expected ..., found ..."; null: found nothing.
+[[noreturn]] void RefuseJson(const std::string& place, const std::string& expected,
+  const nlohmann::json* found);
+
 /// An object of a file, which has no keys but those that are known.
 class JsonObject
 {
@@ -23,10 +26,10 @@ public:
 
   /// `place`: "scene.json: samples[2]". Throws InputError on anything but an object of these keys;
   /// `value` must outlive this.
-  JsonObject(const Json& value, std::string place, std::initializer_list<const char*> keys);
+  JsonObject(const Json& value, std::string place, const std::vector<std::string>& keys);
   /// Of a file's root.
   static JsonObject Root(const Json& value, const std::string& path,
-    std::initializer_list<const char*> keys);
+    const std::vector<std::string>& keys);
 
   /// "scene.json: samples[2].unit".
   std::string PlaceOf(const std::string& key) const;

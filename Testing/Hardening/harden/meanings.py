@@ -141,7 +141,7 @@ class Meanings:
                  "-o", self.program.path("dense.mha"), "--overwrite", "--materials"]
         dense = self.program.run(*image, table)
         self.count.add(dense.done() or dense.refused(), "project, densities in kg/m3 as wanted", dense.told())
-        self.refused("project --attenuation, kg/m3", self.program.run(*image, "victre", "--attenuation", "fat=adipose@920"))
+        self.refused("project --set attenuations, kg/m3", self.program.run(*image, "victre", "--set", "attenuations.fat=adipose@920"))
         self.doubted("register, densities in kg/m3 as wanted",
                      self.program.register(self.program.path("meaning"), "--materials", table))
 

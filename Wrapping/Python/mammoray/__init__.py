@@ -4,6 +4,7 @@
 Arrays in, arrays out, without a pipeline; `help(mammoray.project)` tells shapes, units and frames:
 
     project    points and triangles (or tetrahedra) -> X-ray image and path lengths per material; Projector for many images
+    project_scene  a scene file (.json) -> the same
     recombine  two exposures -> one without two tissues (dual energy), by cancelling_weight
     mesh       labels -> tetrahedra with a material each
     compress   tetrahedra -> the same between the plates of a mammography unit
@@ -56,7 +57,8 @@ def _find(module: str, package: str) -> None:
 
 _find("numpy", "python3-numpy")
 from ._projection import (  # noqa: E402  after numpy was found
-    Detector, Material, ParallelBeam, Projection, Projector, cancelling_weight, devices, material_table, project, recombine)
+    Detector, Material, ParallelBeam, Projection, Projector, cancelling_weight, devices, material_table, project, project_scene,
+    recombine)
 
 if TYPE_CHECKING:
     from ._breast import Compression, Mammogram, Mesh, Placement, Registration, compress, mesh, register
@@ -70,7 +72,7 @@ _WITH_VTK = {
                      "vtkXRayProjector"), "_filters")}
 
 __all__ = ["__version__", "DeviceError", "Error", "InputError", "Detector", "Material", "ParallelBeam", "Projection", "Projector",
-           "cancelling_weight", "devices", "material_table", "project", "recombine"] + (list(_WITH_VTK) if _build.WITH_VTK else [])
+           "cancelling_weight", "devices", "material_table", "project", "project_scene", "recombine"] + (list(_WITH_VTK) if _build.WITH_VTK else [])
 
 
 def __getattr__(name: str) -> Any:

@@ -152,6 +152,7 @@ class Projection:
     log_attenuation_derivatives: parameters x rows x columns, per unit of the parameter
     deflection: 2 x rows x columns, angles by which rays are bent along the detector's columns and rows, radians; none without
         refraction
+    names: of a scene's regions, air first
     """
     transmission: NDArray[numpy.float32]
     log_attenuation: NDArray[numpy.float32]
@@ -160,6 +161,7 @@ class Projection:
     path_length_derivatives: Optional[NDArray[numpy.float32]] = None
     log_attenuation_derivatives: Optional[NDArray[numpy.float32]] = None
     deflection: Optional[NDArray[numpy.float32]] = None
+    names: Sequence[str] = ()
 
 
 Materials = Union[str, Mapping[int, Union[Material, float, str, Mapping[str, Any]]],
@@ -312,14 +314,26 @@ class Projector:
         distance = float(array_of([bend_distance], "bend_distance", (1,))[0])
         if refraction is not None:
             scene.refract(refraction, distance)
-        answer = self._native.project(scene, velocities)
-        if answer["warning"]:
-            warnings.warn(answer["warning"], RuntimeWarning, stacklevel=3)
-        changes = answer.get("path_length_derivatives")
-        return Projection(
-            answer["transmission"], answer["log_attenuation"], answer["path_lengths"], answer["inconsistent"] == 0, changes,
-            None if changes is None else numpy.einsum("mrc,fmrc->frc", answer["mean_attenuation"], changes),
-            answer.get("deflection"))
+        return _projection_of(self._native.project(scene, velocities))
+
+
+def _projection_of(answer: dict[str, Any]) -> Projection:
+    if answer["warning"]:
+        warnings.warn(answer["warning"], RuntimeWarning, stacklevel=4)
+    changes = answer.get("path_length_derivatives")
+    return Projection(
+        answer["transmission"], answer["log_attenuation"], answer["path_lengths"], answer["inconsistent"] == 0, changes,
+        None if changes is None else numpy.einsum("mrc,fmrc->frc", answer["mean_attenuation"], changes),
+        answer.get("deflection"), answer.get("names", ()))
+
+
+def project_scene(path: str, *, method: str = "auto", device: str = "") -> Projection:
+    """X-rays what a scene file (docs/scene.md) describes, byte for byte as `mammoray project --scene` does. The file has samples or a
+    mesh, source and detector; regions are numbered as `names` of the answer lists them. Raises as project; not in the projector
+    that is installed alone, which reads no surfaces."""
+    if not hasattr(_xray, "project_scene"):
+        raise InputError("project_scene: expected a mammoray with VTK, which reads surfaces, found the projector alone")
+    return _projection_of(_xray.project_scene(str(path), method, device))
 
 
 def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike] = None, *, materials: Materials,
