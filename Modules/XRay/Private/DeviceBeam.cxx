@@ -2,7 +2,7 @@
 #include "Private/DeviceBeam.h"
 
 #include "BeamParameters.h"
-#include "Private/ProjectionReadout.h"
+#include "Private/ProjectionTransfer.h"
 #include "beam.h"
 
 #include <array>

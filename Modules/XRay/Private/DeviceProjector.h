@@ -4,8 +4,7 @@
 
 #include "Private/DeviceBeam.h"
 #include "Private/DeviceSurface.h"
-#include "Private/ProjectionReadout.h"
-#include "Private/VelocityFields.h"
+#include "Private/ProjectionTransfer.h"
 
 #include <memory>
 #include <optional>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/FollowedPhotons.h"
 
+#include "Private/Interpolation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Exposer.h"
-#include "mammoray/XRay/Scatter/CellInterpolation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ScatterCells.h"
 
-#include "Private/FastFourier.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#endif
+#include <unsupported/Eigen/FFT>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 namespace mammoray
 {
@@ -14,13 +22,70 @@ namespace
 {
 constexpr double CellMm = 2;
 
-/// Of a plane that repeats itself: the way from place 0, backwards from the middle on.
+/// The smallest number that is at least `least` and has no prime factors but 2, 3 and 5.
+int FourierSize(int least)
+{
+  for (int size = least;; ++size)
+  {
+    int rest = size;
+    for (const int factor : { 2, 3, 5 })
+    {
+      while (rest % factor == 0)
+      {
+        rest /= factor;
+      }
+    }
+    if (rest == 1)
+    {
+      return size;
+    }
+  }
+}
+
+/// Fourier transform of an image, in place. The inverse divides by the number of values.
+void FourierTransform(std::vector<std::complex<double>>& values, int columns, int rows,
+  bool inverse)
+{
+  Eigen::FFT<double> fft;
+  std::vector<std::complex<double>> in;
+  std::vector<std::complex<double>> out;
+  const auto line = [&](std::size_t first, std::size_t step, int count)
+  {
+    in.resize(static_cast<std::size_t>(count));
+    for (std::size_t place = 0; place < in.size(); ++place)
+    {
+      in[place] = values[first + place * step];
+    }
+    if (inverse)
+    {
+      fft.inv(out, in);
+    }
+    else
+    {
+      fft.fwd(out, in);
+    }
+    for (std::size_t place = 0; place < in.size(); ++place)
+    {
+      values[first + place * step] = out[place];
+    }
+  };
+  for (int row = 0; row < rows; ++row)
+  {
+    line(static_cast<std::size_t>(row) * columns, 1, columns);
+  }
+  for (int column = 0; column < columns; ++column)
+  {
+    line(static_cast<std::size_t>(column), static_cast<std::size_t>(columns), rows);
+  }
+}
+
+/// Signed distance from index 0 in a periodic sequence.
 int Signed(int place, int count)
 {
   return place <= count / 2 ? place : place - count;
 }
 
-/// A place in cells, between two of them.
+/// Linear interpolation between two cells.
 struct Between
 {
   Between(double place, int count)
@@ -105,7 +170,7 @@ void ScatterPlane::Put(const Pair& values)
   }
 }
 
-void ScatterPlane::PutWithBorder(const Pair& values)
+void ScatterPlane::PutWithBorder(const std::vector<double>& values)
 {
   const auto within = [](int place, int count, int size) {
     return place < count ? place : place < (count + size) / 2 ? count - 1 : 0;
@@ -117,21 +182,19 @@ void ScatterPlane::PutWithBorder(const Pair& values)
       const std::size_t cell =
         static_cast<std::size_t>(within(row, this->Grid.Rows, this->Rows)) * this->Grid.Columns +
         static_cast<std::size_t>(within(column, this->Grid.Columns, this->Columns));
-      const auto of = [&](const std::vector<double>* part)
-      { return part && !part->empty() ? (*part)[cell] : 0.0; };
-      this->Values[this->At(column, row)] = { of(values[0]), of(values[1]) };
+      this->Values[this->At(column, row)] = values.empty() ? 0.0 : values[cell];
     }
   }
 }
 
 void ScatterPlane::ToFrequencies()
 {
-  Transform(this->Values, this->Columns, this->Rows, false);
+  FourierTransform(this->Values, this->Columns, this->Rows, false);
 }
 
 void ScatterPlane::FromFrequencies()
 {
-  Transform(this->Values, this->Columns, this->Rows, true);
+  FourierTransform(this->Values, this->Columns, this->Rows, true);
 }
 
 void ScatterPlane::AddProduct(const ScatterPlane& a, const ScatterPlane& b)

@@ -11,8 +11,8 @@
 
 namespace mammoray
 {
-/// Pixels gathered to cells of about 2 mm: scatter is smooth over some mm; finer cells of the plane
-/// change it by less than the table's noise.
+/// Groups of pixels of about 2 mm. Scatter is smooth over some mm; smaller cells change it by less
+/// than the noise of the kernels.
 class ScatterCells
 {
 public:
@@ -24,12 +24,12 @@ public:
     return static_cast<std::size_t>(row / this->PerRow) * this->Columns +
       static_cast<std::size_t>(column / this->PerColumn);
   }
-  /// A place in pixels from the middle of the first, in cells.
+  /// Converts a continuous pixel index to a continuous cell index; centres are at whole numbers.
   double ColumnOf(double pixelColumn) const { return (pixelColumn + 0.5) / this->PerColumn - 0.5; }
   double RowOf(double pixelRow) const { return (pixelRow + 0.5) / this->PerRow - 0.5; }
 
-  /// The four cells around a place, as they share what is there, and how the shares change as the
-  /// place moves by `columnRate` and `rowRate` pixels.
+  /// Bilinear weights of the four cells around a point, and their derivatives when the point moves
+  /// by `columnRate` and `rowRate` pixels.
   struct Shares
   {
     std::array<std::size_t, 4> Cells{};
@@ -47,26 +47,26 @@ public:
   double RowMm = 0;
 };
 
-/// Values of the cells of a picture with a margin around, which repeats itself; or their Fourier
-/// transform. Holds two pictures, as real and as imaginary part, which no real kernel mixes.
+/// Cell values with a margin around them, as one period of a periodic image, or their Fourier
+/// transform. Holds two images, as real and imaginary parts; real kernels do not mix them.
 class ScatterPlane
 {
 public:
-  /// What is farther away than `reachMm` does not matter.
+  /// The margin keeps opposite borders apart for kernels up to `reachMm` long.
   ScatterPlane(const ScatterCells& cells, double reachMm);
 
   using Pair = std::array<const std::vector<double>*, 2>;
-  /// Nothing in the margin. Null or empty: 0 everywhere.
+  /// Sets both images; 0 in the margin. Null or empty: 0 everywhere.
   void Put(const Pair& values);
-  /// The margin as the nearer border.
-  void PutWithBorder(const Pair& values);
+  /// Sets the first image; the margin continues the nearer border. Empty: 0 everywhere.
+  void PutWithBorder(const std::vector<double>& values);
   void ToFrequencies();
   void FromFrequencies();
-  /// Of frequencies.
+  /// Adds the product of two Fourier transforms.
   void AddProduct(const ScatterPlane& a, const ScatterPlane& b);
-  /// Of frequencies.
+  /// Convolves with a Gaussian; the plane is a Fourier transform.
   void SpreadGaussian(double sigmaMm);
-  /// Without the margin.
+  /// Both images without the margin.
   std::array<std::vector<double>, 2> Take() const;
 
 private:
@@ -83,18 +83,18 @@ private:
   std::vector<std::complex<double>> Values;
 };
 
-/// Which parts of the cells around one lie in which ring about its middle.
+/// The areas that rings around the centre of a cell share with the cells around it.
 class ScatterRings
 {
 public:
-  /// `radiiMm`: of the rings' edges, ascending from 0.
+  /// `radiiMm`: radii of the rings' edges, ascending from 0.
   ScatterRings(const ScatterPlane& plane, std::vector<double> radiiMm);
-  /// What a cell sends to those around it, each ring's share spread evenly over its area.
+  /// Sets `plane` to the kernel of a cell: the share of each ring is distributed evenly over it.
   void PutKernel(const std::vector<double>& shares, ScatterPlane& plane) const;
 
 private:
   std::vector<double> Radii;
-  /// Of the quarter of the plane to the lower right, the others being its mirror images.
+  /// Size of the lower right quadrant; the kernel is symmetric.
   int Columns;
   int Rows;
   /// [cell * rings + ring], mm^2.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 
-#include "Private/AxisPlace.h"
+#include "Private/Interpolation.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 
-#include "Private/AxisPlace.h"
+#include "Private/Interpolation.h"
 #include "Private/ScatterCells.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/DetectorPlane.h"
-#include "mammoray/XRay/Scatter/CellInterpolation.h"
 
 #include <algorithm>
 #include <array>
@@ -483,15 +482,15 @@ ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
     });
 }
 
-std::array<std::vector<double>, 2> ScatterModel::TissueAround(const Geometry& geometry,
-  const std::array<const std::vector<double>*, 2>& tissue) const
+std::vector<double> ScatterModel::TissueAround(const Geometry& geometry,
+  const std::vector<double>& tissue) const
 {
   ScatterPlane plane = geometry.Plane;
   plane.PutWithBorder(tissue);
   plane.ToFrequencies();
   plane.SpreadGaussian(2 * this->FreePathMm);
   plane.FromFrequencies();
-  return plane.Take();
+  return plane.Take()[0];
 }
 
 namespace
@@ -531,7 +530,7 @@ std::vector<double> ScatterModel::Scatter(const XRaySource& source, const XRayDe
   sum.FromFrequencies();
   std::vector<double> scatter = sum.Take()[0];
   // What is scattered more than once needs tissue around.
-  const std::vector<double> around = this->TissueAround(geometry, { &signal.Tissue, nullptr })[0];
+  const std::vector<double> around = this->TissueAround(geometry, signal.Tissue);
   for (std::size_t cell = 0; cell < scatter.size(); ++cell)
   {
     scatter[cell] *= 1 - (1 - std::clamp(around[cell], 0.0, 1.0)) * signal.Multiple[cell];
@@ -585,14 +584,14 @@ std::vector<std::vector<double>> ScatterModel::Differentiate(const XRaySource& s
   }
   const std::vector<double> scatter = sums[pairs].Take()[0];
   const std::vector<double> perPlates = sums[pairs + 1].Take()[0];
-  const std::vector<double> around = this->TissueAround(geometry, { &signal.Tissue, nullptr })[0];
+  const std::vector<double> around = this->TissueAround(geometry, signal.Tissue);
   std::vector<std::vector<double>> images;
   for (std::size_t field = 0; field < rates.size(); ++field)
   {
     const std::vector<double> changed = sums[field / 2].Take()[field % 2];
     const SentSignal& change = changes[field];
     const std::vector<double> aroundRate =
-      this->TissueAround(geometry, { &change.Tissue, nullptr })[0];
+      this->TissueAround(geometry, change.Tissue);
     const double plateRate = geometry.Plates.RateOf(geometry.CellMeans(rates[field].ThicknessesMm));
     std::vector<double> cells(scatter.size());
     for (std::size_t cell = 0; cell < cells.size(); ++cell)

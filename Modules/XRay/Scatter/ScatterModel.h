@@ -117,9 +117,9 @@ private:
     const std::vector<double>& primary) const;
   SentSignal GatherRates(const Geometry& geometry, const std::vector<double>& thicknessesMm,
     const std::vector<double>& primary, const SignalRates& rates) const;
-  /// Fraction of tissue around each cell, within the range of multiple scatter; of two fields.
-  std::array<std::vector<double>, 2> TissueAround(const Geometry& geometry,
-    const std::array<const std::vector<double>*, 2>& tissue) const;
+  /// Fraction of tissue around each cell, within the range of multiple scatter.
+  std::vector<double> TissueAround(const Geometry& geometry,
+    const std::vector<double>& tissue) const;
   /// The share of each ring for a thickness of the table, `missingMm` thinner than the thickest.
   RingShares RingsAt(std::size_t node, double missingMm) const;
   /// Derivative of RingsAt with respect to `missingMm`, 1/mm.

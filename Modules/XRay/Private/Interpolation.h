@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_CellInterpolation_h
-#define mammoray_CellInterpolation_h
+#ifndef mammoray_Interpolation_h
+#define mammoray_Interpolation_h
 
 #include <algorithm>
 #include <cstddef>
@@ -9,6 +9,19 @@
 
 namespace mammoray
 {
+/// Linear interpolation on an ascending axis: the index of the node before a value, and the weight
+/// of the next node. Beyond the ends this extrapolates. An axis of one node gives {0, 0}.
+inline std::pair<std::size_t, double> PlaceOn(const std::vector<double>& axis, double value)
+{
+  if (axis.size() == 1)
+  {
+    return { 0, 0.0 };
+  }
+  const auto above = std::upper_bound(axis.begin() + 1, axis.end() - 1, value);
+  const auto index = static_cast<std::size_t>(above - axis.begin()) - 1;
+  return { index, (value - axis[index]) / (axis[index + 1] - axis[index]) };
+}
+
 /// Bilinear interpolation between cells that are stored row by row. `column` and `row` are whole
 /// numbers at the centres of cells. Outside the outermost centres the value is constant.
 template <typename Value>
