@@ -10,14 +10,14 @@
 namespace mammoray
 {
 /**
- * The known names that a mistyped one may have meant, nearest first, at most `count`: those that
- * hold it or are fixed by it, and those at most a third of its letters (one at least) away by
- * insertions, deletions and replacements (Levenshtein distance). Case is ignored.
+ * The known names that are similar to a mistyped one, nearest first, at most `count`: those that
+ * contain it or are contained in it, and those within a Levenshtein distance of a third of its
+ * letters (at least one). Case is ignored.
  */
 MAMMORAYFOUNDATION_EXPORT std::vector<std::string> SpellingSuggestions(const std::string& name,
   const std::vector<std::string>& known, std::size_t count = 5);
 
-/// "did you mean a, b or c?", or "known are a, b, c" where nothing is near; for messages.
+/// "did you mean a, b or c?", or "known are a, b, c" if no name is similar; for messages.
 MAMMORAYFOUNDATION_EXPORT std::string SpellingHint(const std::string& name,
   const std::vector<std::string>& known);
 }

@@ -11,8 +11,8 @@
 
 namespace mammoray
 {
-/// The values that a quantity of a breast, or of what pictures it, can have. Values outside come
-/// from other units (um, kg/m3, Pa) or damaged headers.
+/// The values that a quantity of a breast or of its imaging can have. Values outside come from
+/// other units (um, kg/m3, Pa) or damaged headers.
 struct ValidRange
 {
   const char* Quantity;
@@ -43,7 +43,7 @@ inline constexpr ValidRange Density{ "density", 0.5, 3, "g/cm3", "DensityGPerCm3
 /// in the range. NaN is in no range.
 MAMMORAYFOUNDATION_EXPORT void CheckValidRange(const ValidRange& range, double value,
   const std::string& where, const std::vector<std::string>& remedies = { "AcceptUnusual" });
-/// The same of each of three, such as a grid's spacings.
+/// Checks each of three values, such as a grid's spacings.
 MAMMORAYFOUNDATION_EXPORT void CheckValidRange(const ValidRange& range, const Vector3& values,
   const std::string& where, const std::vector<std::string>& remedies = { "AcceptUnusual" });
 

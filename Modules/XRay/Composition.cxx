@@ -21,17 +21,16 @@ namespace
 {
 constexpr double LowestKeV = 1;
 constexpr double HighestKeV = 500;
-/// xraylib follows brackets by recursion as deep as they go; formulas of tissues and metals are
-/// shorter.
+/// xraylib parses brackets by unlimited recursion; formulas of tissues and metals are shorter.
 constexpr std::size_t MostLetters = 200;
 
 /// Mass fraction by atomic number.
 using MassFractions = std::map<int, double>;
 
-/// A formula's or an element's mass fractions; empty when the text is neither.
+/// Mass fractions of a formula or an element; empty if the text is neither.
 MassFractions ParseFormula(const std::string& text)
 {
-  // Of what is no formula xraylib's parser loses some bytes: only what may be one gets there.
+  // xraylib's parser leaks memory on texts that are no formula, so it gets possible ones only.
   const bool mayBeFormula = !text.empty() && text.size() <= MostLetters &&
     (std::isupper(static_cast<unsigned char>(text[0])) != 0 || text[0] == '(') &&
     std::all_of(text.begin(), text.end(),
@@ -99,7 +98,7 @@ MassFractions ParseMixture(const std::string& text)
   return fractions;
 }
 
-/// NIST's compound of that name; empty when there is none.
+/// Mass fractions of NIST's compound of this name; empty if there is none.
 MassFractions ParseNistName(const std::string& text, double& densityGPerCm3)
 {
   const std::unique_ptr<compoundDataNIST, decltype(&FreeCompoundDataNIST)> compound(
@@ -113,7 +112,7 @@ MassFractions ParseNistName(const std::string& text, double& densityGPerCm3)
   return fractions;
 }
 
-/// A hundred energies per decade, and two beside every absorption edge.
+/// A hundred energies per decade, and one on each side of every absorption edge.
 std::vector<double> EnergyGrid(const MassFractions& fractions)
 {
   std::set<double> energies;
@@ -138,7 +137,7 @@ std::vector<double> EnergyGrid(const MassFractions& fractions)
   return { energies.begin(), energies.lower_bound(std::nextafter(HighestKeV, 1e9)) };
 }
 
-/// Any of the three; without fractions when the text is none of them.
+/// Parses any of the three forms; no fractions if the text has none of them.
 CompositionParts Parse(const std::string& text)
 {
   CompositionParts found;

@@ -183,8 +183,8 @@ Vector3 Extreme(const std::vector<Vector3>& points, double sign)
   return extreme;
 }
 
-/// The largest x of the tissue that is held by the body, mm; 0 where there is none.
-double FrontOfHeld(const QuadMesh& mesh, const MaterialTable& table)
+/// The largest x of tissue that is fixed to the body, mm; 0 if there is none.
+double FrontOfFixed(const QuadMesh& mesh, const MaterialTable& table)
 {
   double front = 0;
   for (std::size_t quad = 0; quad < mesh.Quads.size(); ++quad)
@@ -281,7 +281,7 @@ ExampleScene MakeBreastScene(const LabelVolume& labels, const MaterialTable& tab
   scene.Surface = mesh.Triangulate(BreastTriangleCount);
   // The whole breast from left to right; the chest muscle stays out of view, as in mammography.
   const double edge = 1.12 * widened * (high[1] - low[1]);
-  const double chestWall = FrontOfHeld(mesh, table);
+  const double chestWall = FrontOfFixed(mesh, table);
   PlaceAbove(scene, chestWall + 0.5 * edge, 0, 1080, 1080, edge, edge);
   scene.Source.Position[0] = chestWall;
   return scene;

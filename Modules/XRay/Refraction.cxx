@@ -22,12 +22,12 @@ namespace mammoray
 {
 namespace
 {
-/// Pixels beyond the detector's edges whose rays may still come in.
+/// Pixels beyond the detector's edges whose rays may be bent onto it.
 constexpr int Margin = 16;
 
 using Law = RefractionOptions::Law;
 
-/// What the four pixels around a place, of which this is the first, get.
+/// Intensity for four neighbouring pixels, of which this is the first.
 struct Landing
 {
   double Column = 0;
@@ -35,7 +35,7 @@ struct Landing
   std::array<double, 4> Shares{};
 };
 
-/// Of a ray of all energies together that goes straight to a place.
+/// Bilinear distribution of a ray that is not bent.
 Landing StraightLanding(double column, double row, double intensity)
 {
   const double left = std::floor(column);
@@ -60,7 +60,7 @@ void AddMaterial(std::size_t energies, const double* mu, const double* delta, do
   }
 }
 
-/// From exponents to intensities.
+/// Turns exponents into intensities.
 MAMMORAY_VECTOR_CLONES
 void Attenuate(std::size_t energies, const double* weights, double* exponents)
 {
@@ -70,7 +70,7 @@ void Attenuate(std::size_t energies, const double* weights, double* exponents)
   }
 }
 
-/// A ray at each energy: where it goes, and how strong it is.
+/// Intensity and displacement of a ray at each energy.
 struct BentRay
 {
   explicit BentRay(std::size_t energies)
@@ -79,7 +79,7 @@ struct BentRay
   {
   }
 
-  /// What reaches the pixels around, from a ray that would meet the place (column, row).
+  /// Distributes the ray, which would meet (column, row) if it were not bent, to pixels.
   void Land(double column, double row, std::vector<Landing>& landings) const
   {
     const auto [leastColumn, mostColumn] =
@@ -127,7 +127,7 @@ private:
   }
 };
 
-/// Sums over the pixels of a detector with its margin.
+/// Sums for the pixels of a detector and its margin.
 struct RefractionSums
 {
   RefractionSums(const XRayDetector& detector, Law law)
@@ -207,7 +207,7 @@ void AddWithin(const PathLengthImage& wide, float weight, const XRayDetector& de
   }
 }
 
-/// The directions of a detector, of length 1.
+/// Unit vectors and pixel sizes of a detector.
 struct DetectorAxes
 {
   explicit DetectorAxes(const XRayDetector& detector)
@@ -326,7 +326,7 @@ private:
     return (1 / Norm(way)) * way;
   }
 
-  /// Writes its pixel's sums and, by geometric optics, what goes elsewhere.
+  /// Adds a ray to the sums of its pixel and, with geometric optics, to `landings`.
   void AddRay(const XRayDetector& wide, const PathLengthImage& image,
     const PathLengthDerivatives& derivatives, int column, int row,
     const std::array<double, 2>& offset, double weight, BentRay& ray,
@@ -389,8 +389,8 @@ private:
     }
   }
 
-  /// How far a bent ray meets the detector beside where it would, [columns or rows], by the bend
-  /// along columns and rows.
+  /// Displacement on the detector, [columns or rows], per radian of deflection along columns and
+  /// rows.
   std::array<std::array<double, 2>, 2> PixelsPerBend(const Vector3& way) const
   {
     const double u = Dot(way, this->Axes.U);

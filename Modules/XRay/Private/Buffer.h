@@ -18,7 +18,7 @@ enum class MemoryUse
   Result,   ///< the device writes; the host reads it where that is as fast as its own memory
 };
 
-/// A buffer with its memory, mapped where the host uses it. Empty when made without arguments.
+/// A buffer with its memory, which is mapped if the host uses it. The default is empty.
 class Buffer
 {
 public:
@@ -38,7 +38,7 @@ public:
   }
 
 private:
-  std::shared_ptr<void> Share; // in what the process has of the software device
+  std::shared_ptr<void> Share; // of the memory that the process uses on a software device
   std::optional<vk::raii::DeviceMemory> Memory;
   std::optional<vk::raii::Buffer> Object;
   vk::DeviceSize Size = 0;
@@ -46,13 +46,14 @@ private:
   void* Mapped = nullptr;
 };
 
-/// Makes the buffer at least `bytes` large, for new contents; keeps it when it is. True when it was
-/// made.
+/// Enlarges the buffer to `bytes` if it is smaller, which loses its contents. Returns true if it
+/// did.
 bool Reserve(Buffer& buffer, const VulkanDevice& device, vk::DeviceSize bytes,
   vk::BufferUsageFlags usage, MemoryUse use);
 
-/// What shaders write and the host may ask for. On a discrete device it stays in that device's own
-/// memory until it is fetched; elsewhere host and device see the same memory and fetching is free.
+/// A buffer that shaders write and the host reads. On a discrete device it stays in the device's
+/// memory until it is fetched; otherwise host and device share the memory and fetching costs
+/// nothing.
 class ResultBuffer
 {
 public:
@@ -63,13 +64,12 @@ public:
     vk::DeviceSize Count = 0;
   };
 
-  /// As mammoray::Reserve, for a storage buffer.
+  /// Like mammoray::Reserve, for a storage buffer.
   bool Reserve(const VulkanDevice& device, vk::DeviceSize bytes);
   const Buffer& OnDevice() const { return this->Written; }
-  /// Makes these bytes of what the device has written, none where two ranges overlap, those of
-  /// Data.
+  /// Copies these bytes to the host, where Data has them. Ranges must not overlap.
   void Fetch(VulkanDevice& device, const std::vector<Range>& ranges);
-  /// Holds what was fetched.
+  /// The bytes that were fetched; others are undefined.
   template <typename T>
   const T* Data() const
   {

@@ -9,18 +9,17 @@
 
 namespace mammoray
 {
-/// The image that path lengths in a device's buffer belong to.
+/// An image whose path lengths are in a buffer of the device.
 struct DeviceImage
 {
   int Columns = 0;
   int Rows = 0;
   int Materials = 0;
-  /// Pixels without a trusted ray.
+  /// Pixels without a consistent ray.
   std::vector<std::size_t> Holes;
 };
 
-/// The Beer-Lambert law as a compute shader on path lengths in a device's buffer. Pipeline and
-/// buffers live as long as it does.
+/// The Beer-Lambert law as a compute shader. Pipeline and buffers are kept between images.
 class DeviceBeam
 {
 public:

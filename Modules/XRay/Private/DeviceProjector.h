@@ -13,10 +13,9 @@
 namespace mammoray
 {
 /**
- * The life of a projector on a Vulkan device, whichever way it finds path lengths: the surface goes
- * to the device's buffers, an image is rendered strip by strip of rows (one strip where a buffer
- * holds it all), its derivatives batch by batch of fields, and both are read back; the beam acts on
- * what is there. Derived classes render. Everything but the surface's own buffers outlives frames.
+ * The steps that both projectors share: it uploads the surface, computes an image in strips of rows
+ * (one strip if a buffer can hold it) and derivatives in batches of fields, and reads them back.
+ * Derived classes compute a strip. All buffers except those of the surface are kept between images.
  * Members are declared in creation order.
  */
 class DeviceProjector : public PathLengthProjector
@@ -32,51 +31,51 @@ public:
   std::string DeviceName() const final { return this->Device.Name(); }
 
 protected:
-  /// `surfaceUsage`: what the buffers of the surface are used for.
+  /// `surfaceUsage`: usage flags of the surface's buffers.
   DeviceProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options,
     vk::BufferUsageFlags surfaceUsage);
 
-  /// The order in which triangles lie on the device: order[n] is the number of the nth one. Empty:
-  /// as they come.
+  /// Order of the triangles on the device: order[n] is the index of the nth one. Empty: unchanged.
   virtual std::vector<std::uint32_t> TriangleOrder(const SurfaceMesh&) const { return {}; }
-  /// The device's buffers hold a new surface or, with `moved`, the same one with other points.
+  /// Called when the device's buffers hold a new surface or, with `moved`, new points of the same
+  /// one.
   virtual void SurfaceChanged(const std::vector<double>& points, bool moved) = 0;
-  /// Whether an image of this detector can be rendered at once.
+  /// True if the device can compute an image of this detector at once.
   virtual bool HasRoomFor(const XRayDetector& detector) const = 0;
-  /// Most fields that one pass over this detector can take besides memory for results; may be 0.
+  /// Largest number of fields per pass, whatever the memory for results; may be 0.
   virtual int MostFields(const XRayDetector& detector) const = 0;
-  /// The batch that does field `next` of all, at most `atOnce` of them.
+  /// The batch of at most `atOnce` fields that contains field `next`.
   virtual FieldBatch NextBatch(const VectorFields& velocities, int next, int atOnce) const = 0;
-  /// Fills Lengths, Failures and, for the fields of Velocities, Rates, which have room. Gives the
-  /// number of pixels with samples that failed.
+  /// Computes Lengths, Failures and, for the fields in Velocities, Rates, whose buffers are large
+  /// enough. Returns the number of pixels with failed samples.
   virtual std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector,
     int fields) = 0;
 
   /// Throws InputError when there is no surface.
   void RequireSurface() const;
-  /// An image of so many pixels without contents.
+  /// An image of this size without values.
   PathLengthImage MakeImage(int columns, int rows) const;
-  /// Bytes that a buffer for work in bands or batches may have at the most.
+  /// Largest size of a work buffer, bytes; larger work is divided.
   std::uint64_t MostBytes() const;
-  /// Reserves a buffer; the shaders' bindings are stale when it was made anew.
+  /// Enlarges a buffer if necessary, which makes the shaders' bindings stale.
   void Ensure(Buffer& buffer, vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use);
   void Ensure(ResultBuffer& buffer, vk::DeviceSize bytes);
-  /// Makes room for the results of so many pixels or rays.
+  /// Enlarges the buffers of results for a number of pixels.
   void ReserveOutput(std::uint64_t pixels, int fields);
-  /// Records that the number of failed pixels, which shaders count behind Failures' last pixel, is
-  /// 0; a barrier must follow.
+  /// Records clearing the counter of failed pixels, which follows the last pixel in Failures. A
+  /// barrier must follow.
   void RecordClearing(const vk::raii::CommandBuffer& commands, std::uint64_t pixels) const;
-  /// Records that what shaders of this stage and transfers have written can be read, and that the
-  /// number of failed pixels goes to the host.
+  /// Records the barriers after which results of a shader stage can be read, and a copy of the
+  /// counter of failed pixels to the host.
   void RecordResults(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlagBits stage,
     std::uint64_t pixels) const;
-  /// What was counted.
+  /// Value of the counter after the last commands.
   std::uint32_t FailedPixels() const { return *this->FailedCount.Data<std::uint32_t>(); }
-  /// Failures of so many pixels, on the host.
+  /// Reads back the failures of a number of pixels.
   const std::uint32_t* FetchFailures(std::uint64_t pixels);
-  /// Path lengths and, where there are any, failures of so many pixels, on the host.
+  /// Reads back path lengths and, if there are any, failures of a number of pixels.
   ProjectionOutput FetchOutput(std::uint64_t pixels, std::uint32_t failed);
-  /// Notes that Lengths are no longer those of an image.
+  /// Marks the path lengths on the device as not belonging to an image.
   void Forget()
   {
     this->LastImage.reset();
@@ -88,7 +87,7 @@ protected:
   bool Doubles = false;
   DeviceSurface Surface;
   ResultBuffer Lengths;
-  /// A number for each pixel, then that of all pixels that have failures.
+  /// Number of failed samples of each pixel, then the number of pixels that have any.
   ResultBuffer Failures;
   Buffer Velocities;
   ResultBuffer Rates;
@@ -104,19 +103,19 @@ private:
     PixelRange Pixels() const;
   };
 
-  /// Rows of the detector whose lengths one buffer of the device holds.
+  /// Number of rows whose path lengths fit into one buffer of the device.
   int RowsAtOnce(const XRayDetector& detector) const;
   Strip StripAt(const XRayDetector& detector, int firstRow) const;
-  /// Throws InputError where no image can be made.
+  /// Throws InputError if no image can be computed.
   void CheckImage(const XRaySource& source, const XRayDetector& detector) const;
-  /// Calls render(strip), which gives the number of failed pixels, for the detector's strips and
-  /// reads the path lengths that each leaves.
+  /// Calls render(strip), which returns the number of failed pixels, for each strip of the
+  /// detector, and reads back its path lengths.
   template <typename Work>
   PathLengthImage ProjectStrips(const XRayDetector& detector, const Work& render);
   std::uint32_t FillStrip(const XRaySource& source, const XRayDetector& part, int fields);
-  /// Rates of a batch, but for those in air, on the host.
+  /// Reads back the rates of a batch, except those of air.
   const float* FetchRates(std::uint64_t pixels, int fields);
-  /// Fields that are done in one pass; throws InputError when there is no room for one.
+  /// Number of fields per pass. Throws InputError if there is no room for one.
   int FieldsAtOnce(const XRayDetector& part, int fields) const;
 
   vk::BufferUsageFlags SurfaceUsage;
@@ -124,9 +123,9 @@ private:
   bool HasSurface = false;
   /// Made when first used.
   std::optional<DeviceBeam> BeamOnDevice;
-  /// What the last Project left; empty when there is nothing.
+  /// The image that the path lengths on the device belong to, if any.
   std::optional<DeviceImage> LastImage;
-  /// The last image where Lengths could not hold it at once.
+  /// The last image, if it was computed in several strips.
   std::optional<PathLengthImage> LastInStrips;
 };
 }

@@ -5,15 +5,15 @@
 #include <bit>
 #include <cstdint>
 
-// Loops over energies are most of a polychromatic image; GCC makes a version of a function that is
-// marked so for each of these. Sanitizers are called by what chooses one, before they have begun.
+// Loops over energies take most of the time of a polychromatic image. GCC compiles a function with
+// this mark for several instruction sets and selects one at load time, before sanitizers can run.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
   !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MAMMORAY_VECTOR_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define MAMMORAY_VECTOR_CLONES
 #endif
-// A function that is not part of the clones would be called once per value.
+// A function that is not inlined into the clones would be called for each value.
 #if defined(__GNUC__)
 #define MAMMORAY_ALWAYS_INLINE __attribute__((always_inline)) inline
 #else

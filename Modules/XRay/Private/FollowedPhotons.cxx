@@ -43,7 +43,7 @@ const VoxelScene& VoxelsOf(const Scene& scene)
   return *scene.Scatter.Voxels;
 }
 
-/// How far the corners of the box around the tissue rise over the detector, mm.
+/// Largest height of the box around the tissue over the detector, mm.
 double TopOf(const VoxelScene& voxels, const DetectorPlane& plane, const XRayDetector& detector)
 {
   double top = 0;

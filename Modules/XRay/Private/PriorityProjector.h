@@ -13,9 +13,9 @@
 namespace mammoray
 {
 /**
- * A projector that counts every stretch of a ray once, where parts overlap: another one projects,
- * and the rays that pass a box in which parts overlap are followed again here, their hits sorted.
- * See ProjectorOptions::Priority.
+ * Counts overlapping parts once, by ProjectorOptions::Priority. Another projector computes the
+ * image. Rays through the boxes in which parts overlap are then followed on the host, with their
+ * hits sorted.
  */
 class PriorityProjector : public PathLengthProjector
 {
@@ -32,8 +32,7 @@ public:
   ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
 
 private:
-  /// The part of a line that counts: hits before From and behind To (mm along it) are taken as
-  /// there.
+  /// A ray; hits before From and behind To (mm along it) count as if they lay there.
   struct Ray
   {
     Vector3 Begin{ 0, 0, 0 };
@@ -42,7 +41,7 @@ private:
     double From = 0;
     double To = 0;
   };
-  /// Sums of one ray or more.
+  /// Sums over rays.
   struct RaySums
   {
     /// By material, mm.
@@ -62,12 +61,12 @@ private:
   Ray RayOf(const XRaySource& source, const XRayDetector& detector, double column,
     double row) const;
   bool PassesRegion(const Ray& ray) const;
-  /// Adds a ray's lengths and rates; false where its crossings do not cancel.
+  /// Adds the lengths and rates of a ray. Returns false if its crossings do not cancel.
   bool AddRay(const Ray& ray, const Work& work, std::vector<LineHit>& hits, RaySums& sums) const;
   void AddRates(const Ray& ray, const LineHit& hit, int left, int entered, const Work& work,
     RaySums& sums) const;
   int OwnerOf(const std::vector<int>& insides) const;
-  /// The pixel's sums over its samples that close; their number, 0 where none passes a region.
+  /// Sums over the consistent samples of a pixel. Returns their number, 0 if none passes a region.
   int SumPixel(const XRaySource& source, const XRayDetector& detector, std::size_t pixel,
     const Work& work, std::vector<LineHit>& hits, RaySums& sums) const;
   void Correct(const XRaySource& source, const XRayDetector& detector, const Work& work,
@@ -78,7 +77,7 @@ private:
   SurfaceMesh Surface;
   std::optional<TriangleTree> Tree;
   SurfaceOverlap Overlap;
-  /// All materials of the surface but air, those that win first.
+  /// All materials of the surface except air, the first has priority.
   std::vector<int> Order;
   /// The last image of this surface.
   std::optional<PathLengthImage> LastImage;

@@ -21,39 +21,39 @@ struct PixelRange
   std::size_t Count = 0;
 };
 
-/// What a device's pass over some pixels wrote, planes of one value per pixel.
+/// Results of a pass over some pixels: planes with one value per pixel.
 struct ProjectionOutput
 {
   /// mm, a plane for each material; that of air is not written.
   const float* Lengths = nullptr;
-  /// Number of samples of each pixel that failed; null where none did.
+  /// Number of failed samples of each pixel; null if none failed.
   const std::uint32_t* Failures = nullptr;
 };
 
 /**
- * Copies a pass over a range of the pixels, each of so many samples, into an image whose Columns,
- * Rows and Materials are set; its arrays grow where they have to. Returns the pixels of the range
- * that have no trusted ray at all, for FillFromNeighbours.
+ * Copies the results for a range of pixels, samples x samples rays each, into an image whose
+ * Columns, Rows and Materials are set, and resizes its arrays. Returns the pixels of the range that
+ * have no consistent ray, for FillFromNeighbours.
  */
 MAMMORAYXRAY_EXPORT std::vector<std::size_t> ReadLengths(const ProjectionOutput& output,
   const PixelRange& range, int samples, PathLengthImage& image);
 
-/// The pixels among the first `count` all of whose samples failed, so many a row and a column.
+/// The pixels among the first `count` of which all samples x samples rays failed.
 MAMMORAYXRAY_EXPORT std::vector<std::size_t> FindHoles(const std::uint32_t* failures,
   std::size_t count, int samples);
 
 /**
- * Gives pixels without any trusted ray the mean of the nearest pixels that have one: ring by ring
- * inwards, each from its neighbours of the rings before. In every plane.
+ * Sets pixels without a consistent ray to the mean of their neighbours, in every plane. Holes are
+ * filled ring by ring, from their borders inwards.
  */
 MAMMORAYXRAY_EXPORT void FillFromNeighbours(std::vector<float>& planes, int columns, int rows,
   std::vector<std::size_t> holes);
 
-/// Velocity fields done in one pass at the most.
+/// Largest number of velocity fields per pass.
 constexpr int MostFieldsPerPass = 8;
 
-/// The fields [First, First + Count) of a pass. The device is handed each field times its Factor;
-/// what it answers times Unit is mm per unit of the field's parameter.
+/// The fields [First, First + Count) of a pass. The device receives each field multiplied by its
+/// Factor; its results multiplied by Unit are mm per unit of the parameter.
 struct FieldBatch
 {
   int First = 0;
@@ -62,8 +62,7 @@ struct FieldBatch
   std::array<double, MostFieldsPerPass> Unit{ 1, 1, 1, 1, 1, 1, 1, 1 };
 };
 
-/// Fields per pass when at most `most`, at least 1, fit into one: all passes equally large, as near
-/// as can be.
+/// Number of fields per pass, at most `most` (at least 1), so that passes are equal if possible.
 MAMMORAYXRAY_EXPORT int FieldsPerPass(int fields, int most);
 
 /// Sizes the derivatives of an image of so many materials.

@@ -27,22 +27,22 @@ public:
 private:
   /// The shaders for triangles, tiles, the result, and marks.
   using Programs = std::array<std::optional<vk::raii::Pipeline>, 4>;
-  /// What one run of the shaders works on; columns and rows of the detector.
+  /// The part of an image that one run of the shaders computes; columns and rows of the detector.
   struct Work
   {
     int Fields = 0;
     int FirstRow = 0;
     int RowCount = 0;
-    /// Columns and rows that are looked at, first and last.
+    /// First and last column and row with rays to follow.
     int Left = 0;
     int Right = 0;
     int Top = 0;
     int Bottom = 0;
-    /// 0 at first; then how often rays that failed have been traced again, this time included.
+    /// 0 for the first run, n for the nth repetition with the rays that failed.
     int Attempt = 0;
-    /// The attempt is done once more: marks stay as they are.
+    /// True if the same attempt runs again: its marks are kept.
     bool KeepsMarks = false;
-    /// The list of tiles is that of an earlier attempt.
+    /// True if the list of tiles of an earlier attempt is used.
     bool KeepsTiles = false;
   };
 
@@ -55,22 +55,22 @@ private:
   const Programs& ProgramsFor(bool withRates);
   /// Bytes of the sums of one row of the detector.
   std::uint64_t RowBytes(const XRayDetector& detector, int fields) const;
-  /// Makes buffers large enough, runs the shaders and, where the list of tiles was too short, runs
-  /// them again; false, with `tiles` the number needed, when there is no room for so many.
+  /// Enlarges buffers and runs the shaders, again if the list of tiles was too short. Returns false
+  /// and sets `tiles` to the number needed if there is no room for them.
   bool Run(const XRaySource& source, const XRayDetector& detector, Work work, std::uint64_t& tiles);
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector, const Work& work);
   void UpdateBindings();
-  /// Gives the number of tiles that the list should have held.
+  /// Returns the number of tiles that the list needs.
   std::uint32_t Submit(const XRayDetector& detector, const Work& work);
-  /// Traces rays of the rows that failed again, a little beside, a few times; gives the number of
-  /// pixels with rays that fail still.
+  /// Follows failed rays of these rows again a few times, with small offsets. Returns the number of
+  /// pixels with rays that still fail.
   std::uint32_t RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
 
   ShaderBindings Bindings;
-  /// Without and with derivatives; the latter made when first used.
+  /// Without and with derivatives; the latter are created at first use.
   std::array<std::optional<Programs>, 2> Pipelines;
-  /// No point of the surface is farther from the local origin, mm.
+  /// Largest distance of a point of the surface from the local origin, mm.
   double Reach = 0;
   Buffer Parameters;
   Buffer Sums;

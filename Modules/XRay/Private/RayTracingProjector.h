@@ -43,11 +43,12 @@ private:
   std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
 
   const Program& ProgramFor(const Kind& kind);
-  /// Makes the acceleration structures anew.
+  /// Creates the acceleration structures.
   void MakeScene(const Buffer& hitPositions);
   /// Builds them on the device or, with `refit`, fits them to moved points.
   void BuildScene(bool refit);
-  /// Materials that the shaders have room for: few capacities, so that few pipelines are compiled.
+  /// Number of materials that the shaders have room for: a power of two, so that few pipelines are
+  /// compiled.
   std::uint32_t Capacity() const;
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector);

@@ -19,13 +19,12 @@ vk::raii::ShaderModule MakeShader(const VulkanDevice& device, const std::uint32_
     vk::ShaderModuleCreateInfo({}, sizeof(words), words));
 }
 
-/// Records as many workgroups of `groupSize` as the invocations need, in rows of at most 32768: one
-/// row alone would be too long for some devices.
+/// Records a dispatch of workgroups of `groupSize`, in rows of at most 32768: a single row would be
+/// too long for some devices.
 void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations,
   std::uint32_t groupSize);
 
-/// The pipeline layout of some shaders and the one set of buffers they see, each at its binding of
-/// set 0.
+/// The pipeline layout of some shaders, and their buffers: one descriptor set, set 0.
 class ShaderBindings
 {
 public:
@@ -34,7 +33,7 @@ public:
     vk::ShaderStageFlags Stages;
     /// Bindings 0 to Count - 1 are storage buffers.
     std::uint32_t Count = 0;
-    /// This one is an acceleration structure instead.
+    /// Binding of an acceleration structure, if there is one.
     std::optional<std::uint32_t> Scene;
     /// Size of the push constants.
     std::uint32_t ConstantBytes = 0;
@@ -43,9 +42,10 @@ public:
   ShaderBindings(const VulkanDevice& device, const Description& description);
 
   vk::PipelineLayout Layout() const { return *this->PipelineLayout; }
-  /// Binding n sees all of buffers[n]; null at the scene's. Not while the device is at work.
+  /// Binds all of buffers[n] to binding n; null at that of the acceleration structure. The device
+  /// must be idle.
   void Update(std::span<const Buffer* const> buffers, vk::AccelerationStructureKHR scene = {});
-  /// Records that the pipelines of this layout see the buffers.
+  /// Records the binding of the buffers.
   void Bind(const vk::raii::CommandBuffer& commands, vk::PipelineBindPoint point) const;
 
 private:

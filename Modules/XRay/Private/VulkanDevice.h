@@ -63,12 +63,12 @@ public:
   bool HasDoubles() const { return this->Doubles; }
   /// True when shaders may add 64-bit integers in buffers atomically.
   bool HasLongAtomics() const { return this->LongAtomics; }
-  /// True when the device is a processor whose driver plays a GPU.
+  /// True if the device is a CPU with a software driver.
   bool IsSoftware() const { return this->Software; }
-  /// True when the host may read the device's memory where it can; false on discrete devices, which
-  /// the environment variable MAMMORAY_SEPARATE_MEMORY lets others play (for tests).
+  /// True if the host reads the device's memory directly; false on discrete devices. The
+  /// environment variable MAMMORAY_SEPARATE_MEMORY makes it false, for tests.
   bool SharesMemory() const { return this->Sharing; }
-  /// True when the device was made for ray tracing: it can, and the options want it.
+  /// True if the device supports ray tracing and the options select it.
   bool TracesRays() const { return this->ForRayTracing; }
   const vk::PhysicalDeviceRayTracingPipelinePropertiesKHR& RayTracingProperties() const
   {

@@ -19,13 +19,12 @@ namespace mammoray
 class VulkanInstance
 {
 public:
-  /// Without or with the Khronos validation layer; made when first asked for. Throws DeviceError
-  /// where there is no loader, driver or layer, and tries again the next time.
+  /// The instance with or without the Khronos validation layer, created at first use. Throws
+  /// DeviceError if there is no loader, driver or layer; the next call tries again.
   static VulkanInstance& Get(bool validation);
 
   const vk::raii::Instance& Handle() const { return *this->Instance; }
-  /// The first message of the validation layer since this was asked last, empty where there is
-  /// none.
+  /// The first message of the validation layer since the last call; empty if there is none.
   std::string TakeMessage();
 
 private:
@@ -48,7 +47,7 @@ private:
  */
 void CheckFileSizeLimit(vk::DeviceSize bytes);
 
-/// What is said where the loader finds no device.
+/// Message if the loader finds no device.
 inline constexpr const char* NoDevice =
   "no Vulkan: the loader found no driver for any device (Debian: mesa-vulkan-drivers)";
 }

@@ -69,7 +69,7 @@ private:
   std::vector<double> Values;
 };
 
-/// Energies by their share of the photons.
+/// Samples photon energies of a spectrum.
 class EnergySource
 {
 public:
@@ -139,7 +139,7 @@ public:
     }
     return { distance, static_cast<int>(column), static_cast<int>(row) };
   }
-  /// Slopes of a direction along columns and rows.
+  /// Tangents of a direction along columns and rows.
   std::array<double, 2> Slopes(const Vector3& direction) const
   {
     const double along = std::abs(this->Along(direction));
@@ -185,7 +185,7 @@ struct Sums
   std::vector<double> Second;
 };
 
-/// What a thread found of its photons.
+/// Results of the photons of one thread.
 struct Tally
 {
   Tally(std::size_t regions, std::size_t pixels)
@@ -213,7 +213,7 @@ struct Tally
   double Escaped = 0;
   double Detected = 0;
   double Emitted = 0;
-  /// Of the photon that is followed, whose collisions count as one.
+  /// Energy deposited by the current photon; its collisions count as one observation.
   std::vector<double> OfPhoton;
 };
 
@@ -273,7 +273,8 @@ private:
     }
   }
 
-  /// Where a photon enters the box (0 inside) and leaves it; {endless, 0} where it passes.
+  /// Distances at which a photon enters the box (0 inside) and leaves it; {infinity, 0} if it
+  /// misses.
   std::array<double, 2> BoxAlong(const Photon& photon) const
   {
     double enter = 0;
@@ -290,7 +291,7 @@ private:
     return enter < leave ? std::array{ enter, leave } : std::array{ Endless, 0.0 };
   }
 
-  /// On to the next collision; false where there is none.
+  /// Moves the photon to its next collision. Returns false if there is none.
   bool Fly(Photon& photon, Tally& tally, RandomStream& random) const
   {
     const auto [enter, leave] = this->BoxAlong(photon);
@@ -355,7 +356,7 @@ private:
     }
   }
 
-  /// Energy left at the place, keV.
+  /// Changes the photon by a collision. Returns the energy deposited there, keV.
   static double Collide(Photon& photon, const PhotonMaterial& material,
     const PhotonInteractions& here, RandomStream& random)
   {
@@ -411,7 +412,7 @@ private:
   Majorant Densest;
 };
 
-/// Mean signal of a photon that no object stops.
+/// Mean signal of a photon without an object.
 double OpenSignal(const Spectrum& spectrum, const DetectorResponse& response,
   const std::optional<AntiscatterGrid>& grid)
 {

@@ -19,20 +19,20 @@ namespace mammoray
 {
 namespace
 {
-/// Of the thickness, how high over the back of the tissue what reaches the detector was scattered
-/// last, as far as the beam's divergence goes: of 0, 1/4 and 1/2, that by which slabs of 54 mm
-/// agree best with photons that are followed (within 4 %, 0 and 1/2 within 8 %).
+/// Height of the last scattering over the back of the tissue, as a fraction of its thickness. It
+/// determines the effect of the beam's divergence. With 1/4, slabs of 54 mm agree within 4 % with
+/// the Monte Carlo method; with 0 and 1/2, within 8 %.
 constexpr double ScatterHeight = 0.25;
 
 /**
- * The thickness between the plates: the mean of those that are exceeded by 5 to 15 % of the tissue,
- * since rays through the chest wall, beside the plates, are longer. Tissue that is thinner than 5
- * mm counts the less the thinner it is: nothing jumps where it comes into sight.
+ * The thickness between the plates: the mean of the 85th to 95th percentiles of the tissue's
+ * thickness, because rays through the chest wall, beside the plates, are longer. The weight of
+ * tissue rises linearly up to a thickness of 5 mm, so that the result is continuous.
  */
 class PlateDistance
 {
 public:
-  /// `thicknessesMm`: by cells.
+  /// `thicknessesMm`: one value for each cell.
   explicit PlateDistance(const std::vector<double>& thicknessesMm)
     : Thicknesses(thicknessesMm)
   {
@@ -61,7 +61,7 @@ public:
       }
     }
   }
-  /// By the rates of the thicknesses; exact where the plates are more than 5 mm apart.
+  /// Derivative of Mm from those of the thicknesses; exact if the plates are more than 5 mm apart.
   double RateOf(const std::vector<double>& rates) const
   {
     double rate = 0;
@@ -94,11 +94,11 @@ private:
 
   std::vector<double> Thicknesses;
   double Weight = 0;
-  /// Cells and their shares of the mean, from the thinnest on.
+  /// Cells and their weights in the mean, thinnest first.
   std::vector<std::pair<std::size_t, double>> Counted;
 };
 
-/// visit(column, row, pixel) of the pixels of some rows that see tissue.
+/// Calls visit(column, row, pixel) for the pixels with tissue in some rows.
 template <typename Visit>
 void ForEachTissuePixel(const XRayDetector& detector, std::size_t firstRow, std::size_t endRow,
   const std::vector<double>& thicknessesMm, const Visit& visit)
@@ -233,7 +233,7 @@ double ScatterModel::ScatterToPrimary(double thicknessMm, double diameterMm) con
   return sum;
 }
 
-/// What the sums over a picture need besides what its pixels send.
+/// Everything about an image that does not depend on its primary signal.
 struct ScatterModel::Geometry
 {
   Geometry(const ScatterModel& model, const XRaySource& source, const XRayDetector& detector,
@@ -248,7 +248,7 @@ struct ScatterModel::Geometry
     , Rings(Plane, model.Radii)
   {
   }
-  /// The transform of what a cell sends.
+  /// Fourier transform of the kernel of a cell.
   ScatterPlane KernelOf(const RingShares& shares) const
   {
     ScatterPlane kernel = this->Plane;
@@ -311,14 +311,14 @@ struct ScatterModel::Geometry
   XRayDetector Detector;
   ScatterCells Cells;
   DetectorPlane Over;
-  /// How many a cell has.
+  /// Number of pixels of each cell.
   std::vector<double> Pixels;
   PlateDistance Plates;
   ScatterPlane Plane;
   ScatterRings Rings;
 };
 
-/// By cells of the plane; or their rates.
+/// Sums by cell that the convolutions start from, or their derivatives.
 struct ScatterModel::SentSignal
 {
   SentSignal(std::size_t nodes, std::size_t cells)
@@ -344,15 +344,15 @@ struct ScatterModel::SentSignal
       add(other.ByThickness[node], this->ByThickness[node]);
     }
   }
-  /// What tissue of each node of the thickness sends on; empty where there is none.
+  /// Primary signal of the tissue at each node of the thickness axis; empty if there is none.
   std::vector<std::vector<double>> ByThickness;
-  /// How much of the space between the plates is tissue, 0 to 1.
+  /// Fraction of tissue between the plates, 0 to 1.
   std::vector<double> Tissue;
-  /// What of its scatter has been scattered more than once, with Tissue as a weight.
+  /// Fraction of multiple scatter, weighted by Tissue.
   std::vector<double> Multiple;
 };
 
-/// What a pixel's tissue sends on, and from where.
+/// The tissue of a pixel as a source of scatter.
 struct ScatterModel::SendingPixel
 {
   SendingPixel(const ScatterModel& model, const Geometry& geometry, double thickness)
@@ -365,13 +365,13 @@ struct ScatterModel::SendingPixel
     this->Multiple = (1 - this->Beyond) * model.Multiple[this->Node] +
       this->Beyond * model.Multiple[this->Node + 1];
   }
-  /// Of the thickness' axis, and how far towards the next.
+  /// Node of the thickness axis, and the weight of the next node.
   std::size_t Node = 0;
   double Beyond = 0;
-  /// Of the space between the plates.
+  /// Fraction of tissue between the plates.
   double Share = 0;
   double Multiple = 0;
-  /// The way from the source's foot, over that on the detector.
+  /// Factor on the distance from the foot of the source, by the divergence of the beam.
   double Closer = 1;
 };
 
@@ -590,8 +590,7 @@ std::vector<std::vector<double>> ScatterModel::Differentiate(const XRaySource& s
   {
     const std::vector<double> changed = sums[field / 2].Take()[field % 2];
     const SentSignal& change = changes[field];
-    const std::vector<double> aroundRate =
-      this->TissueAround(geometry, change.Tissue);
+    const std::vector<double> aroundRate = this->TissueAround(geometry, change.Tissue);
     const double plateRate = geometry.Plates.RateOf(geometry.CellMeans(rates[field].ThicknessesMm));
     std::vector<double> cells(scatter.size());
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
