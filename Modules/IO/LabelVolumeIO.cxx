@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/LabelVolumeIO.h"
 
-#include "Private/DisplacementTransform.h"
+#include "Private/InputFile.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/IO/GuardedRead.h"
 
@@ -23,11 +23,14 @@ namespace
 {
 LabelVolume DecodeLabels(const std::string& path, VolumeAxes axes)
 {
-  const VolumeFile file(path, "a label volume", axes);
   LabelVolume volume;
-  static_cast<VolumeGrid&>(volume) = file.Grid();
-  volume.Voxels.reserve(file.NumberOfVoxels());
-  file.Decode(
+  ReadVolumeFile(
+    path, "a label volume", axes,
+    [&](const VolumeGrid& grid)
+    {
+      static_cast<VolumeGrid&>(volume) = grid;
+      volume.Voxels.reserve(grid.Index(0, 0, grid.Size[2]));
+    },
     [&](const double* values, std::size_t count)
     {
       for (std::size_t n = 0; n < count; ++n)
@@ -44,11 +47,15 @@ LabelVolume DecodeLabels(const std::string& path, VolumeAxes axes)
 
 IntensityVolume DecodeIntensities(const std::string& path, VolumeAxes axes)
 {
-  const VolumeFile file(path, "a volume", axes);
   IntensityVolume volume;
-  static_cast<VolumeGrid&>(volume) = file.Grid();
-  volume.Voxels.reserve(file.NumberOfVoxels());
-  file.Decode([&](const double* values, std::size_t count)
+  ReadVolumeFile(
+    path, "a volume", axes,
+    [&](const VolumeGrid& grid)
+    {
+      static_cast<VolumeGrid&>(volume) = grid;
+      volume.Voxels.reserve(grid.Index(0, 0, grid.Size[2]));
+    },
+    [&](const double* values, std::size_t count)
     { volume.Voxels.insert(volume.Voxels.end(), values, values + count); });
   return volume;
 }
@@ -85,11 +92,11 @@ IntensityVolume ReadIntensityFile(const std::string& path, VolumeAxes axes)
 
 void CheckLabelVolumeExtension(const std::string& path)
 {
-  const std::string extension = VolumeExtension(path);
-  if (extension != ".nrrd" && extension != ".mha" && extension != ".nii.gz")
+  if (!IsVolumeExtension(ExtensionOf(path)))
   {
     throw InputError(path +
-      ": expected the extension .nrrd, .mha or .nii.gz for a volume, found '" + extension + "'");
+      ": expected the extension .nrrd, .mha or .nii.gz for a volume, found '" + ExtensionOf(path) +
+      "'");
   }
 }
 
@@ -111,36 +118,5 @@ void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path
   volume.Validate(path);
   CheckLabelVolumeExtension(path);
   WriteVolumeFile(path, volume, volume.Voxels.data());
-}
-
-void CheckDisplacementExtension(const std::string& path)
-{
-  const std::string extension = VolumeExtension(path);
-  if (!IsTransformExtension(extension) && extension != ".nrrd" && extension != ".mha" &&
-    extension != ".nii.gz")
-  {
-    throw InputError(path +
-      ": expected the extension .nrrd, .mha, .nii.gz, .h5 or .tfm for a displacement, found '" +
-      extension + "'");
-  }
-}
-
-void WriteDisplacement(const DisplacementField& field, const std::string& path)
-{
-  CheckDisplacementExtension(path);
-  field.ValidateGrid(path, field.Vectors.size() / 3);
-  const auto bad = std::find_if_not(field.Vectors.begin(), field.Vectors.end(),
-    [](float value) { return std::isfinite(value); });
-  if (field.Vectors.size() % 3 != 0 || bad != field.Vectors.end())
-  {
-    throw InputError(path + ": expected three finite numbers for each voxel, found " +
-      (bad != field.Vectors.end() ? "others" : std::to_string(field.Vectors.size()) + " numbers"));
-  }
-  if (IsTransformExtension(VolumeExtension(path)))
-  {
-    WriteDisplacementTransform(field, path);
-    return;
-  }
-  WriteVolumeFile(path, field, field.Vectors.data(), 3);
 }
 }

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MammogramPictureIO.h"
 
-#include "mammoray/Foundation/Error.h"
+#include "Private/InputFile.h"
 #include "mammoray/IO/GuardedRead.h"
 
 #include "vtkDataArray.h"
-#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkImageReader2.h"
 #include "vtkJPEGReader.h"
 #include "vtkMetaImageReader.h"
-#include "vtkNew.h"
 #include "vtkPNGReader.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
@@ -18,152 +16,109 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-[[noreturn]] void RefusePicture(const std::string& path, const std::string& why)
+/// An image as its file has it, rows from the top.
+struct DecodedImage
 {
-  throw InputError(path + ": " + why);
+  int Columns = 0;
+  int Rows = 0;
+  int Bits = 0;
+  bool IsFloat = false;
+  /// Colours that are not grey.
+  bool IsColoured = false;
+  /// Values of the first channel, Rows * Columns.
+  std::vector<float> Pixels;
+};
+
+void Exchange(Parcel& parcel, DecodedImage& image)
+{
+  parcel(image.Columns, image.Rows, image.Bits, image.IsFloat, image.IsColoured, image.Pixels);
 }
 
-/// libjpeg and libpng fill what they cannot decode with grey, and only print that they did.
-void RefuseDamaged(const std::string& path, const std::string& content)
+/// Null for an unknown extension.
+vtkSmartPointer<vtkImageReader2> ReaderOf(const std::string& extension)
 {
-  if (const std::string said = SaidByLibraries(); !said.empty())
+  if (extension == ".png")
   {
-    throw InputError(path + ": expected " + content + ", found damaged data (" + said + ")");
+    return vtkSmartPointer<vtkPNGReader>::New();
   }
+  if (extension == ".mha" || extension == ".mhd")
+  {
+    return vtkSmartPointer<vtkMetaImageReader>::New();
+  }
+  if (extension == ".jpg" || extension == ".jpeg")
+  {
+    return vtkSmartPointer<vtkJPEGReader>::New();
+  }
+  return nullptr;
 }
 
-/// Size, bits and pixels.
-Mammogram DecodePicture(const std::string& path)
+DecodedImage Decode(const std::string& path, const std::string& what)
 {
-  vtkSmartPointer<vtkImageReader2> reader = vtkSmartPointer<vtkJPEGReader>::New();
-  if (std::filesystem::path(path).extension() == ".png")
+  const std::string extension = ExtensionOf(path);
+  const auto reader = ReaderOf(extension);
+  if (!reader || reader->CanReadFile(path.c_str()) == 0)
   {
-    reader = vtkSmartPointer<vtkPNGReader>::New();
-  }
-  if (!std::filesystem::is_regular_file(path) || reader->CanReadFile(path.c_str()) == 0)
-  {
-    RefusePicture(path, "expected a picture that can be read");
+    throw InputError(path + ": expected " + what + " that can be read");
   }
   reader->SetFileName(path.c_str());
   reader->Update();
-  vtkImageData* image = reader->GetOutput();
-  vtkDataArray* values = image->GetPointData()->GetScalars();
-  if (!values || reader->GetErrorCode() != 0)
+  vtkImageData* const output = reader->GetOutput();
+  vtkDataArray* const values = output->GetPointData()->GetScalars();
+  const int* const size = output->GetDimensions();
+  if (!values || reader->GetErrorCode() != 0 || size[2] != 1)
   {
-    RefusePicture(path, "expected a picture that can be decoded");
+    throw InputError(path + ": expected " + what + " that can be decoded");
   }
-  RefuseDamaged(path, "a picture");
-  Mammogram mammogram;
-  mammogram.Columns = image->GetDimensions()[0];
-  mammogram.Rows = image->GetDimensions()[1];
-  mammogram.BitsStored = 8 * values->GetDataTypeSize();
-  const int colours = std::min(values->GetNumberOfComponents(), 3);
-  // VTK has the last row first.
-  for (int row = mammogram.Rows - 1; row >= 0; --row)
+  // libjpeg and libpng fill what they cannot decode with grey, and only print that they did.
+  if (const std::string said = SaidByLibraries(); !said.empty())
   {
-    for (int column = 0; column < mammogram.Columns; ++column)
+    throw InputError(path + ": expected " + what + ", found damaged data (" + said + ")");
+  }
+  DecodedImage image{ size[0], size[1], 8 * values->GetDataTypeSize(),
+    values->GetDataType() == VTK_FLOAT };
+  const int colours = std::min(values->GetNumberOfComponents(), 3);
+  // VTK has the last row of PNG and JPEG first.
+  const bool isTurned = !extension.starts_with(".mh");
+  for (int row = 0; row < image.Rows; ++row)
+  {
+    const vtkIdType first =
+      static_cast<vtkIdType>(isTurned ? image.Rows - 1 - row : row) * image.Columns;
+    for (vtkIdType id = first; id < first + image.Columns; ++id)
     {
-      const vtkIdType id = static_cast<vtkIdType>(row) * mammogram.Columns + column;
       const double value = values->GetComponent(id, 0);
+      image.Pixels.push_back(static_cast<float>(value));
       for (int colour = 1; colour < colours; ++colour)
       {
         // Some encoders round the three channels of grey apart.
-        if (std::abs(values->GetComponent(id, colour) - value) > 2)
-        {
-          RefusePicture(path, "expected a grey picture, found a coloured one");
-        }
+        image.IsColoured |= std::abs(values->GetComponent(id, colour) - value) > 2;
       }
-      mammogram.Pixels.push_back(static_cast<float>(value));
     }
   }
-  return mammogram;
+  return image;
 }
 
-std::vector<unsigned char> DecodeMask(const std::string& path, int columns, int rows)
+DecodedImage Read(const std::string& path, const std::string& what)
 {
-  if (!std::filesystem::is_regular_file(path))
-  {
-    throw InputError(path + ": no such file");
-  }
-  vtkSmartPointer<vtkImageReader2> reader;
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension == ".png")
-  {
-    reader = vtkSmartPointer<vtkPNGReader>::New();
-  }
-  else if (extension == ".mha" || extension == ".mhd")
-  {
-    reader = vtkSmartPointer<vtkMetaImageReader>::New();
-  }
-  if (!reader || reader->CanReadFile(path.c_str()) == 0)
-  {
-    throw InputError(path + ": expected a mask as .png, .mha or .mhd that can be read");
-  }
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  RefuseDamaged(path, "a mask");
-  vtkImageData* image = reader->GetOutput();
-  vtkDataArray* values = image->GetPointData()->GetScalars();
-  const int* size = image->GetDimensions();
-  if (!values || size[0] != columns || size[1] != rows || size[2] != 1)
-  {
-    throw InputError(path + ": expected a mask of the mammogram's " + std::to_string(columns) +
-      " x " + std::to_string(rows) + " pixels, found " + std::to_string(size[0]) + " x " +
-      std::to_string(size[1]));
-  }
-  std::vector<unsigned char> mask(static_cast<std::size_t>(columns) * rows, 0);
-  // VTK turns the rows of a PNG so that the first is at the bottom.
-  const bool turned = extension == ".png";
-  for (int row = 0; row < rows; ++row)
-  {
-    const int from = turned ? rows - 1 - row : row;
-    for (int column = 0; column < columns; ++column)
-    {
-      const vtkIdType id = static_cast<vtkIdType>(from) * columns + column;
-      mask[static_cast<std::size_t>(row) * columns + column] = values->GetComponent(id, 0) != 0;
-    }
-  }
-  return mask;
+  CheckReadable(path, what);
+  return ReadGuarded(path, what, ReadLimits::Of({ path }), [&] { return Decode(path, what); });
 }
 
-std::vector<float> DecodeFloats(const std::string& path, int columns, int rows)
+/// Throws unless the image has as many pixels as the mammogram.
+void CheckSize(const std::string& path, const DecodedImage& image, int columns, int rows,
+  const std::string& what)
 {
-  vtkNew<vtkMetaImageReader> reader;
-  if (!std::filesystem::is_regular_file(path) || reader->CanReadFile(path.c_str()) == 0)
+  if (image.Columns != columns || image.Rows != rows)
   {
-    throw InputError(path + ": expected an image of floats (.mha) that can be read");
+    throw InputError(path + ": expected " + what + "the mammogram's " + std::to_string(columns) +
+      " x " + std::to_string(rows) + " pixels, found " + std::to_string(image.Columns) + " x " +
+      std::to_string(image.Rows));
   }
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  RefuseDamaged(path, "an image of floats");
-  auto* values = vtkFloatArray::SafeDownCast(reader->GetOutput()->GetPointData()->GetScalars());
-  const int* size = reader->GetOutput()->GetDimensions();
-  if (!values || size[0] != columns || size[1] != rows || size[2] != 1)
-  {
-    throw InputError(path + ": expected the mammogram's " + std::to_string(columns) + " x " +
-      std::to_string(rows) + " pixels, found " +
-      (values ? std::to_string(size[0]) + " x " + std::to_string(size[1]) : "no floats") +
-      "; is it the mammogram that was registered?");
-  }
-  const float* begin = values->GetPointer(0);
-  return { begin, begin + values->GetNumberOfValues() };
-}
-
-/// A mammogram of pixels alone.
-struct Picture
-{
-  Mammogram Pixels;
-};
-
-void Exchange(Parcel& parcel, Picture& picture)
-{
-  Mammogram& pixels = picture.Pixels;
-  parcel(pixels.Columns, pixels.Rows, pixels.BitsStored, pixels.Pixels);
 }
 }
 
@@ -183,18 +138,23 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
   if (!missing.empty())
   {
-    RefusePicture(path, "a picture has no header: expected its " + missing + " to be given");
+    throw InputError(path + ": a picture has no header: expected its " + missing + " to be given");
   }
   if (!(*description.PixelSpacingMm > 0))
   {
-    RefusePicture(path,
-      "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
-        " mm");
+    throw InputError(path + ": expected a positive pixel spacing, found " +
+      std::to_string(*description.PixelSpacingMm) + " mm");
   }
-  Mammogram mammogram = ReadGuarded(path, "a picture", ReadLimits::Of({ path }),
-    [&] {
-      return Picture{ DecodePicture(path) };
-    }).Pixels;
+  DecodedImage image = Read(path, "a picture");
+  if (image.IsColoured)
+  {
+    throw InputError(path + ": expected a grey picture, found a coloured one");
+  }
+  Mammogram mammogram;
+  mammogram.Columns = image.Columns;
+  mammogram.Rows = image.Rows;
+  mammogram.BitsStored = image.Bits;
+  mammogram.Pixels = std::move(image.Pixels);
   mammogram.ColumnSpacingMm = *description.PixelSpacingMm;
   mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
   mammogram.View = description.View;
@@ -204,13 +164,22 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
 
 std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)
 {
-  return ReadGuarded(path, "a mask", ReadLimits::Of({ path }),
-    [&] { return DecodeMask(path, columns, rows); });
+  const DecodedImage image = Read(path, "a mask (.png, .mha or .mhd)");
+  CheckSize(path, image, columns, rows, "a mask of ");
+  std::vector<unsigned char> mask(image.Pixels.size());
+  std::transform(image.Pixels.begin(), image.Pixels.end(), mask.begin(),
+    [](float value) { return static_cast<unsigned char>(value != 0 ? 1 : 0); });
+  return mask;
 }
 
 std::vector<float> ReadFloatPicture(const std::string& path, int columns, int rows)
 {
-  return ReadGuarded(path, "an image of floats", ReadLimits::Of({ path }),
-    [&] { return DecodeFloats(path, columns, rows); });
+  DecodedImage image = Read(path, "an image of floats (.mha)");
+  CheckSize(path, image, columns, rows, "");
+  if (!image.IsFloat)
+  {
+    throw InputError(path + ": expected an image of floats, found other values");
+  }
+  return std::move(image.Pixels);
 }
 }

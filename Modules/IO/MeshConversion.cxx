@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MeshConversion.h"
 
-#include "Private/MaterialNames.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkCellArray.h"
@@ -15,6 +14,7 @@
 #include "vtkNew.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkStringArray.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkUnsignedShortArray.h"
 #include "vtkUnstructuredGrid.h"
@@ -29,6 +29,33 @@ namespace mammoray
 {
 namespace
 {
+/// Adds the field array "MaterialNames".
+void AddMaterialNames(vtkDataObject* data, const std::vector<std::string>& names)
+{
+  vtkNew<vtkStringArray> array;
+  array->SetName(MaterialNamesArrayName);
+  for (const std::string& name : names)
+  {
+    array->InsertNextValue(name);
+  }
+  data->GetFieldData()->AddArray(array);
+}
+
+/// The reverse; empty where there is no such array.
+std::vector<std::string> FindMaterialNames(vtkDataObject* data)
+{
+  std::vector<std::string> names;
+  if (auto* array = vtkStringArray::SafeDownCast(
+        data->GetFieldData()->GetAbstractArray(MaterialNamesArrayName)))
+  {
+    for (vtkIdType index = 0; index < array->GetNumberOfValues(); ++index)
+    {
+      names.push_back(EscapeControls(array->GetValue(index)));
+    }
+  }
+  return names;
+}
+
 std::uint16_t MaterialAt(vtkDataArray* array, vtkIdType cell)
 {
   const double value = array->GetComponent(cell, 0);

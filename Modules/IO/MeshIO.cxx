@@ -2,7 +2,7 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "Private/GltfReader.h"
-#include "Private/TextTable.h"
+#include "Private/InputFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -20,7 +20,6 @@
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
 #include "vtkObject.h"
-#include "vtkObjectFactory.h"
 #include "vtkPLYReader.h"
 #include "vtkPLYWriter.h"
 #include "vtkPointData.h"
@@ -38,7 +37,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <type_traits>
@@ -47,8 +45,6 @@ namespace mammoray
 {
 namespace
 {
-namespace fs = std::filesystem;
-
 /// Keeps the first error or warning an object tells, instead of the console.
 class Listener : public vtkCommand
 {
@@ -98,24 +94,16 @@ void Run(Algorithm* algorithm, const std::string& path, const char* what)
   }
 }
 
-std::string Extension(const std::string& path)
-{
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 bool IsGltf(const std::string& path)
 {
-  const std::string extension = Extension(path);
+  const std::string extension = ExtensionOf(path);
   return extension == ".glb" || extension == ".gltf";
 }
 
 [[noreturn]] void RefuseExtension(const std::string& path, const char* what, const char* known)
 {
   throw InputError(path + ": expected the extension " + known + " for " + what + ", found '" +
-    Extension(path) + "'");
+    ExtensionOf(path) + "'");
 }
 
 /// Throws InputError unless the coordinates are below 1e9 mm.
@@ -130,55 +118,6 @@ void CheckCoordinates(const std::string& path, std::size_t point, const double* 
   }
 }
 
-void CheckReadable(const std::string& path)
-{
-  if (!fs::exists(path))
-  {
-    throw InputError(path + ": no such file");
-  }
-  if (!fs::is_regular_file(path) || !std::ifstream(path))
-  {
-    throw InputError(path + ": expected a mesh, found something that cannot be read");
-  }
-  if (fs::file_size(path) == 0)
-  {
-    throw InputError(path + ": expected a mesh, found an empty file");
-  }
-}
-
-/// VTK's writers set these up for appended data alone, and delete them after any error: a full disk
-/// ended in a crash (VTK 9.1, vtkXMLUnstructuredDataWriter::WriteAPiece).
-class GridWriter : public vtkXMLUnstructuredGridWriter
-{
-public:
-  static GridWriter* New();
-
-protected:
-  GridWriter()
-  {
-    this->NumberOfPointsPositions = nullptr;
-    this->NumberOfCellsPositions = nullptr;
-  }
-};
-vtkStandardNewMacro(GridWriter);
-
-class SurfaceWriter : public vtkXMLPolyDataWriter
-{
-public:
-  static SurfaceWriter* New();
-
-protected:
-  SurfaceWriter()
-  {
-    this->NumberOfPointsPositions = nullptr;
-    this->NumberOfVertsPositions = nullptr;
-    this->NumberOfLinesPositions = nullptr;
-    this->NumberOfStripsPositions = nullptr;
-    this->NumberOfPolysPositions = nullptr;
-  }
-};
-vtkStandardNewMacro(SurfaceWriter);
-
 template <typename Writer>
 void Write(vtkPointSet* mesh, const std::string& path)
 {
@@ -190,18 +129,24 @@ void Write(vtkPointSet* mesh, const std::string& path)
     // expat's update of 2025 (2.5.0-1+deb12u2).
     writer->SetDataModeToBinary();
     writer->SetCompressorTypeToZLib();
-    writer->SetCompressionLevel(1); // most of a file is coordinates, which hardly get smaller
+    writer->SetCompressionLevel(1);  // most of a file is coordinates, which hardly get smaller
+    writer->WriteToOutputStringOn(); // VTK 9.1 crashes on a file that it cannot write
+    Run(writer.Get(), path, "cannot be written");
+    WriteAtomicFile(path, writer->GetOutputString());
   }
-  if constexpr (requires { writer->SetFileTypeToBinary(); })
+  else
   {
-    writer->SetFileTypeToBinary();
-  }
-  WriteAtomicFile(path,
-    [&](const std::string& staged)
+    if constexpr (requires { writer->SetFileTypeToBinary(); })
     {
-      writer->SetFileName(staged.c_str());
-      Run(writer.Get(), path, "cannot be written");
-    });
+      writer->SetFileTypeToBinary();
+    }
+    WriteAtomicFile(path,
+      [&](const std::string& staged)
+      {
+        writer->SetFileName(staged.c_str());
+        Run(writer.Get(), path, "cannot be written");
+      });
+  }
 }
 
 /// VTK takes a vertex of an OBJ or STL file in text that it cannot read for 0 or for the one
@@ -336,7 +281,7 @@ using SurfaceDecoder = vtkSmartPointer<vtkPolyData> (*)(const std::string& path)
 
 SurfaceDecoder FindSurfaceDecoder(const std::string& path)
 {
-  const std::string extension = Extension(path);
+  const std::string extension = ExtensionOf(path);
   return extension == ".vtp" ? Decode<vtkXMLPolyDataReader>
     : extension == ".stl"    ? Decode<vtkSTLReader>
     : extension == ".ply"    ? Decode<vtkPLYReader>
@@ -365,22 +310,29 @@ NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
   {
     CheckCoordinates(path, static_cast<std::size_t>(point), decoded->GetPoint(point));
   }
-  NamedSurface surface;
-  surface.Mesh = FromPolyData(decoded, &surface.MaterialNames);
-  return surface;
+  try
+  {
+    NamedSurface surface;
+    surface.Mesh = FromPolyData(decoded, &surface.MaterialNames);
+    return surface;
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(path + ": " + error.what());
+  }
 }
 }
 
 void WriteMesh(vtkPointSet* mesh, const std::string& path)
 {
-  const std::string extension = Extension(path);
+  const std::string extension = ExtensionOf(path);
   if (vtkUnstructuredGrid::SafeDownCast(mesh))
   {
     if (extension != ".vtu")
     {
       RefuseExtension(path, "a volume mesh", ".vtu");
     }
-    Write<GridWriter>(mesh, path);
+    Write<vtkXMLUnstructuredGridWriter>(mesh, path);
     return;
   }
   auto* surface = vtkPolyData::SafeDownCast(mesh);
@@ -390,7 +342,7 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
   }
   if (extension == ".vtp")
   {
-    Write<SurfaceWriter>(surface, path);
+    Write<vtkXMLPolyDataWriter>(surface, path);
     return;
   }
   vtkNew<vtkTriangleFilter> triangles;
@@ -420,8 +372,8 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
 
 vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
 {
-  CheckReadable(path);
-  const std::string extension = Extension(path);
+  CheckReadable(path, "a mesh");
+  const std::string extension = ExtensionOf(path);
   const GridDecoder decode = extension == ".vtu" ? Decode<vtkXMLUnstructuredGridReader>
     : extension == ".vtk"                        ? Decode<vtkUnstructuredGridReader>
                                                  : nullptr;
@@ -436,7 +388,7 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
 
 SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* materialNames)
 {
-  CheckReadable(path);
+  CheckReadable(path, "a mesh");
   const SurfaceDecoder decode = FindSurfaceDecoder(path);
   if (!decode)
   {

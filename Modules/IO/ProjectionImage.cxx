@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/ProjectionImage.h"
 
+#include "Private/InputFile.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -117,7 +118,7 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
 
 bool IsTiff(const std::string& path)
 {
-  const std::string extension = VolumeExtension(path);
+  const std::string extension = ExtensionOf(path);
   return extension == ".tif" || extension == ".tiff";
 }
 
@@ -327,7 +328,7 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
 
 void CheckStackExtension(const std::string& path)
 {
-  const std::string extension = VolumeExtension(path);
+  const std::string extension = ExtensionOf(path);
   if (!IsTiff(path) && extension != ".mha" && extension != ".nrrd")
   {
     throw InputError(

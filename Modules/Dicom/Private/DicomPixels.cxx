@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DicomPixels.h"
 
-#include "Private/QuietGdcm.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 
@@ -15,6 +14,7 @@
 
 #include <gdcmImage.h>
 #include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
 
 #include <algorithm>
 #include <cstring>
@@ -47,6 +47,31 @@ public:
 
 private:
   OFLogger Logger = OFLog::getLogger("dcmtk");
+};
+
+/// While one lives, GDCM writes nothing to its own streams; what the user needs is in our
+/// exceptions.
+class QuietGdcm
+{
+public:
+  QuietGdcm()
+    : Warning(gdcm::Trace::GetWarningFlag())
+    , Error(gdcm::Trace::GetErrorFlag())
+  {
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+  }
+  ~QuietGdcm()
+  {
+    gdcm::Trace::SetWarning(this->Warning);
+    gdcm::Trace::SetError(this->Error);
+  }
+  QuietGdcm(const QuietGdcm&) = delete;
+  QuietGdcm& operator=(const QuietGdcm&) = delete;
+
+private:
+  const bool Warning;
+  const bool Error;
 };
 
 /// From the smallest to the largest padding value. Empty if there are none.

@@ -3,7 +3,6 @@
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
-#include "mammoray/Foundation/Vector3.h"
 
 #include "vtkCellArray.h"
 #include "vtkCleanPolyData.h"
@@ -11,11 +10,11 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -149,30 +148,6 @@ tinygltf::Model LoadGltf(const std::string& path)
   return model;
 }
 
-/// x' = Columns[0] x + Columns[1] y + Columns[2] z + Columns[3].
-struct GltfTransform
-{
-  std::array<Vector3, 4> Columns{ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, 0, 0 } } };
-
-  Vector3 Direction(const Vector3& v) const
-  {
-    return v[0] * this->Columns[0] + v[1] * this->Columns[1] + v[2] * this->Columns[2];
-  }
-  Vector3 Point(const Vector3& p) const { return this->Direction(p) + this->Columns[3]; }
-  GltfTransform Of(const GltfTransform& inner) const
-  {
-    GltfTransform all;
-    std::transform(inner.Columns.begin(), inner.Columns.end() - 1, all.Columns.begin(),
-      [this](const Vector3& column) { return this->Direction(column); });
-    all.Columns[3] = this->Point(inner.Columns[3]);
-    return all;
-  }
-  bool Mirrors() const
-  {
-    return Dot(this->Columns[0], Cross(this->Columns[1], this->Columns[2])) < 0;
-  }
-};
-
 class GltfSurface
 {
 public:
@@ -189,7 +164,7 @@ public:
     const int scene = std::max(this->Model.defaultScene, 0);
     for (const int node : this->Entry(this->Model.scenes, scene, "scene").nodes)
     {
-      this->AddNode(node, {}, 0);
+      this->AddNode(node, Eigen::Affine3d::Identity(), 0);
     }
     if (this->Triangles->GetNumberOfCells() == 0)
     {
@@ -224,40 +199,32 @@ private:
     return list[static_cast<std::size_t>(index)];
   }
 
-  GltfTransform TransformOf(const tinygltf::Node& node) const
+  Eigen::Affine3d TransformOf(const tinygltf::Node& node) const
   {
-    GltfTransform own;
     if (!node.matrix.empty())
     {
-      for (std::size_t column = 0; column < 4; ++column)
-      {
-        std::copy_n(&node.matrix[4 * column], 3, own.Columns[column].begin());
-      }
-      return own;
+      const Eigen::Matrix4d matrix(node.matrix.data()); // column by column
+      return Eigen::Affine3d(matrix.topRows<3>());
     }
-    const auto given = [](const std::vector<double>& numbers, const std::vector<double>& standard)
-    { return numbers.empty() ? standard : numbers; };
-    const auto shift = given(node.translation, { 0, 0, 0 });
-    const auto scale = given(node.scale, { 1, 1, 1 });
-    const auto rotation = given(node.rotation, { 0, 0, 0, 1 });
-    const double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
-    const double norm = x * x + y * y + z * z + w * w;
-    if (!(norm > 0))
+    const auto vector = [](const std::vector<double>& numbers, double otherwise)
+    {
+      return numbers.empty() ? Eigen::Vector3d::Constant(otherwise).eval()
+                             : Eigen::Vector3d(numbers.data());
+    };
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+    if (!node.rotation.empty())
+    {
+      rotation.coeffs() = Eigen::Vector4d(node.rotation.data()); // x, y, z, w
+    }
+    if (!(rotation.norm() > 0))
     {
       this->Refuse("a node's rotation with a length", "none");
     }
-    const double s = 2 / norm;
-    own.Columns[0] =
-      scale[0] * Vector3{ 1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y) };
-    own.Columns[1] =
-      scale[1] * Vector3{ s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x) };
-    own.Columns[2] =
-      scale[2] * Vector3{ s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y) };
-    std::copy_n(shift.begin(), 3, own.Columns[3].begin());
-    return own;
+    return Eigen::Translation3d(vector(node.translation, 0)) * rotation.normalized() *
+      Eigen::Scaling(vector(node.scale, 1));
   }
 
-  void AddNode(int index, const GltfTransform& parent, int depth)
+  void AddNode(int index, const Eigen::Affine3d& parent, int depth)
   {
     const tinygltf::Node& node = this->Entry(this->Model.nodes, index, "node");
     const std::string name = "node " + std::to_string(index);
@@ -267,7 +234,7 @@ private:
       this->Refuse("nodes in a tree", name + " in several places");
     }
     this->Seen[static_cast<std::size_t>(index)] = true;
-    const GltfTransform placed = parent.Of(this->TransformOf(node));
+    const Eigen::Affine3d placed = parent * this->TransformOf(node);
     if (node.mesh >= 0)
     {
       const tinygltf::Mesh& mesh = this->Entry(this->Model.meshes, node.mesh, "mesh");
@@ -341,7 +308,7 @@ private:
       accessor.count, stride, accessor.componentType };
   }
 
-  void AddPrimitive(const tinygltf::Primitive& primitive, const GltfTransform& placed)
+  void AddPrimitive(const tinygltf::Primitive& primitive, const Eigen::Affine3d& placed)
   {
     const int mode = primitive.mode;
     const bool isFan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
@@ -361,20 +328,21 @@ private:
     const vtkIdType base = this->Points->GetNumberOfPoints();
     for (std::size_t point = 0; point < positions.Count; ++point)
     {
-      const Vector3 own{ positions.At<float>(point, 0), positions.At<float>(point, 1),
+      const Eigen::Vector3d own{ positions.At<float>(point, 0), positions.At<float>(point, 1),
         positions.At<float>(point, 2) };
-      const Vector3 mm = GltfUnitMm * placed.Point(own);
-      if (!std::isfinite(mm[0]) || !std::isfinite(mm[1]) || !std::isfinite(mm[2]))
+      const Eigen::Vector3d mm = GltfUnitMm * (placed * own);
+      if (!mm.allFinite())
       {
         this->Refuse("finite coordinates", "others at point " + std::to_string(point));
       }
       this->Points->InsertNextPoint(mm.data());
     }
     const std::vector<vtkIdType> corners = this->CornersOf(primitive, positions.Count);
+    const bool isMirrored = placed.linear().determinant() < 0;
     for (std::size_t first = 0; first + 3 <= corners.size(); first += isFan || isStrip ? 1 : 3)
     {
       // Every other triangle of a strip runs the other way.
-      const bool turned = placed.Mirrors() != (isStrip && first % 2 == 1);
+      const bool turned = isMirrored != (isStrip && first % 2 == 1);
       const vtkIdType ids[3] = { base + corners[isFan ? 0 : first],
         base + corners[first + (turned ? 2 : 1)], base + corners[first + (turned ? 1 : 2)] };
       this->Triangles->InsertNextCell(3, ids);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/JsonFile.h"
 
-#include "mammoray/Foundation/Error.h"
+#include "Private/InputFile.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <utility>
 
@@ -14,15 +12,8 @@ namespace mammoray
 nlohmann::json ParseJsonFile(const std::string& path, const std::string& what)
 {
   using Json = nlohmann::json;
-  if (!std::filesystem::exists(path))
-  {
-    throw InputError(path + ": no such file");
-  }
+  CheckReadable(path, what);
   std::ifstream file(path);
-  if (!std::filesystem::is_regular_file(path) || !file)
-  {
-    throw InputError(path + ": expected " + what + ", found something that cannot be read");
-  }
   // The parser keeps the last of repeated keys silently.
   std::vector<std::set<std::string>> open;
   std::string repeated;

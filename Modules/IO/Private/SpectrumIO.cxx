@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SpectrumIO.h"
 
-#include "Private/TextTable.h"
+#include "Private/InputFile.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ShippedData.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VolumeFile.h"
 
+#include "Private/InputFile.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -15,8 +16,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 
@@ -24,8 +23,6 @@ namespace mammoray
 {
 namespace
 {
-namespace fs = std::filesystem;
-
 /// ITK's reason in one line: without the class and address before it and the calls around it.
 std::string ReasonOf(const itk::ExceptionObject& error)
 {
@@ -44,13 +41,15 @@ std::string ReasonOf(const itk::ExceptionObject& error)
   return text;
 }
 
-/// Does what asks ITK, with its console silenced; false with ITK's reason where it refuses.
+/// Calls `action`, which calls ITK, with ITK's console silenced. ITK's exception becomes an
+/// InputError: `refusal`, then the reason.
 template <typename Action>
-bool CallItk(const Action& action, std::string& reason)
+void CallItk(const std::string& refusal, const Action& action)
 {
   const QuietStandardError quiet;
   const bool warned = itk::Object::GetGlobalWarningDisplay();
   itk::Object::GlobalWarningDisplayOff();
+  std::string reason;
   bool done = true;
   try
   {
@@ -62,18 +61,9 @@ bool CallItk(const Action& action, std::string& reason)
     done = false;
   }
   itk::Object::SetGlobalWarningDisplay(warned);
-  return done;
-}
-
-/// The same of reading, with ITK's exception turned into ours.
-template <typename Action>
-void AskItk(const std::string& path, const std::string& what, const Action& action)
-{
-  std::string reason;
-  if (!CallItk(action, reason))
+  if (!done)
   {
-    throw InputError(
-      path + ": expected " + what + ", found data that cannot be read (" + reason + ")");
+    throw InputError(refusal + " (" + reason + ")");
   }
 }
 
@@ -225,8 +215,7 @@ StoredVoxels NiftiVoxels(const itk::ImageIOBase& itk, const std::string& path, b
 }
 
 template <typename T>
-void Convert(const void* stored, std::size_t count,
-  const std::function<void(const double* values, std::size_t count)>& sink)
+void Convert(const void* stored, std::size_t count, const TakeValues& take)
 {
   const auto* voxels = static_cast<const T*>(stored);
   std::vector<double> values(1 << 18);
@@ -234,13 +223,13 @@ void Convert(const void* stored, std::size_t count,
   {
     const std::size_t step = std::min(values.size(), count - done);
     std::copy_n(voxels + done, step, values.begin());
-    sink(values.data(), step);
+    take(values.data(), step);
   }
 }
 
-/// Reads all voxels and hands them over.
-void DecodeAll(itk::ImageIOBase& itk, const std::string& path, const std::string& what,
-  const std::function<void(const double* values, std::size_t count)>& sink)
+/// Reads all voxels and passes them on.
+void DecodeAll(itk::ImageIOBase& itk, const std::string& path, const std::string& refusal,
+  const TakeValues& take)
 {
   itk::ImageIORegion region(itk.GetNumberOfDimensions());
   for (unsigned a = 0; a < itk.GetNumberOfDimensions(); ++a)
@@ -251,44 +240,123 @@ void DecodeAll(itk::ImageIOBase& itk, const std::string& path, const std::string
   const auto count = static_cast<std::size_t>(itk.GetImageSizeInComponents());
   const auto bytes = static_cast<std::size_t>(itk.GetImageSizeInBytes());
   const auto buffer = std::make_unique_for_overwrite<unsigned char[]>(bytes);
-  AskItk(path, what, [&] { itk.Read(buffer.get()); });
+  CallItk(refusal, [&] { itk.Read(buffer.get()); });
   using Type = itk::ImageIOBase::IOComponentEnum;
   switch (itk.GetComponentType())
   {
     case Type::UCHAR:
-      return Convert<unsigned char>(buffer.get(), count, sink);
+      return Convert<unsigned char>(buffer.get(), count, take);
     case Type::CHAR:
-      return Convert<signed char>(buffer.get(), count, sink);
+      return Convert<signed char>(buffer.get(), count, take);
     case Type::USHORT:
-      return Convert<unsigned short>(buffer.get(), count, sink);
+      return Convert<unsigned short>(buffer.get(), count, take);
     case Type::SHORT:
-      return Convert<short>(buffer.get(), count, sink);
+      return Convert<short>(buffer.get(), count, take);
     case Type::UINT:
-      return Convert<unsigned int>(buffer.get(), count, sink);
+      return Convert<unsigned int>(buffer.get(), count, take);
     case Type::INT:
-      return Convert<int>(buffer.get(), count, sink);
+      return Convert<int>(buffer.get(), count, take);
     case Type::ULONG:
-      return Convert<unsigned long>(buffer.get(), count, sink);
+      return Convert<unsigned long>(buffer.get(), count, take);
     case Type::LONG:
-      return Convert<long>(buffer.get(), count, sink);
+      return Convert<long>(buffer.get(), count, take);
     case Type::ULONGLONG:
-      return Convert<unsigned long long>(buffer.get(), count, sink);
+      return Convert<unsigned long long>(buffer.get(), count, take);
     case Type::LONGLONG:
-      return Convert<long long>(buffer.get(), count, sink);
+      return Convert<long long>(buffer.get(), count, take);
     case Type::FLOAT:
-      return Convert<float>(buffer.get(), count, sink);
+      return Convert<float>(buffer.get(), count, take);
     case Type::DOUBLE:
-      return Convert<double>(buffer.get(), count, sink);
+      return Convert<double>(buffer.get(), count, take);
     default:
       throw InputError(path + ": expected an integer type, float or double, found " +
         itk::ImageIOBase::GetComponentTypeAsString(itk.GetComponentType()));
   }
 }
 
-void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IOComponentEnum type,
-  const void* voxels, unsigned channels = 1, bool compressed = true)
+/// The reader of a format, which must recognise the file.
+template <typename Format>
+itk::ImageIOBase::Pointer Open(const std::string& path, const std::string& what,
+  const std::string& refusal, const char* format)
 {
-  const std::string extension = VolumeExtension(path);
+  const auto reader = Format::New();
+  bool readable = false;
+  CallItk(refusal, [&] { readable = reader->CanReadFile(path.c_str()); });
+  if (!readable)
+  {
+    throw InputError(path + ": expected " + what + ", found data that is no " + format);
+  }
+  reader->SetFileName(path);
+  return reader.GetPointer();
+}
+}
+
+void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes axes,
+  const std::function<void(const VolumeGrid& grid)>& begin, const TakeValues& take)
+{
+  CheckReadable(path, what);
+  const std::string refusal = path + ": expected " + what + ", found data that cannot be read";
+  const std::string extension = ExtensionOf(path);
+  itk::ImageIOBase::Pointer itk;
+  VolumeGrid grid;
+  StoredVoxels stored;
+  std::uint64_t storedBytes = 0;
+  const auto readHeader = [&]
+  {
+    CallItk(refusal, [&] { itk->ReadImageInformation(); });
+    grid = GridOf(*itk, path);
+    storedBytes = itk->GetComponentSize();
+  };
+  if (extension == ".nrrd" || extension == ".nhdr")
+  {
+    itk = Open<itk::NrrdImageIO>(path, what, refusal, "NRRD");
+    const TextHeader header = TextHeader::ReadNrrd(path);
+    CheckNrrd(header);
+    stored = StoredVoxels::OfNrrd(header);
+    stored.CheckPresent(path, 0, 0);
+    readHeader();
+    TurnNrrd(grid, header, axes);
+  }
+  else if (extension == ".mha" || extension == ".mhd")
+  {
+    itk = Open<itk::MetaImageIO>(path, what, refusal, "MetaImage");
+    const TextHeader header = TextHeader::ReadMetaImage(path);
+    header.CheckSizes("dimsize");
+    header.CheckLengths({ "elementspacing", "elementsize", "offset", "position", "origin",
+      "transformmatrix", "rotation", "orientation" });
+    stored = StoredVoxels::OfMetaImage(header);
+    readHeader();
+  }
+  else if (extension == ".nii" || extension == ".nii.gz")
+  {
+    itk = Open<itk::NiftiImageIO>(path, what, refusal, "NIfTI");
+    readHeader();
+    stored = NiftiVoxels(*itk, path, extension == ".nii.gz");
+    if (const double bits = NiftiNumber(*itk, "bitpix"); bits >= 8)
+    {
+      storedBytes = static_cast<std::uint64_t>(bits) / 8;
+    }
+    TurnNifti(grid, *itk, axes);
+  }
+  else
+  {
+    throw InputError(path + ": expected " + what +
+      " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz), found the extension '" + extension + "'");
+  }
+  const std::uint64_t count = itk->GetImageSizeInPixels();
+  stored.CheckPresent(path, count, storedBytes);
+  // ITK's formats keep up to three copies, the asking reader one of four bytes.
+  AllowMemory(ReadLimits::Of({ path }).MemoryBytes +
+    count * (4 * std::max<std::uint64_t>(storedBytes, 8) + 8));
+  begin(grid);
+  DecodeAll(*itk, path, refusal, take);
+}
+
+template <typename T>
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const T* voxels,
+  unsigned channels, bool compressed)
+{
+  const std::string extension = ExtensionOf(path);
   itk::ImageIOBase::Pointer writer = itk::NrrdImageIO::New().GetPointer();
   if (extension == ".mha")
   {
@@ -302,7 +370,7 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
   writer->SetPixelType(
     channels == 1 ? itk::CommonEnums::IOPixel::SCALAR : itk::CommonEnums::IOPixel::VECTOR);
   writer->SetNumberOfComponents(channels);
-  writer->SetComponentType(type);
+  writer->SetComponentType(itk::ImageIOBase::MapPixelType<T>::CType);
   writer->SetNumberOfDimensions(3);
   itk::ImageIORegion region(3);
   for (unsigned a = 0; a < 3; ++a)
@@ -325,148 +393,13 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
     [&](const std::string& staged)
     {
       writer->SetFileName(staged);
-      std::string reason;
-      if (!CallItk([&] { writer->Write(voxels); }, reason))
-      {
-        throw InputError(path + ": cannot be written (" + reason + ")");
-      }
+      CallItk(path + ": cannot be written", [&] { writer->Write(voxels); });
     });
 }
 
-void CheckFile(const std::string& path, const std::string& what)
-{
-  std::error_code problem;
-  if (!fs::exists(path, problem))
-  {
-    throw InputError(path + ": no such file");
-  }
-  if (!fs::is_regular_file(path) || !std::ifstream(path))
-  {
-    throw InputError(path + ": expected " + what + ", found something that cannot be read");
-  }
-  if (fs::file_size(path) == 0)
-  {
-    throw InputError(path + ": expected " + what + ", found an empty file");
-  }
-}
-}
-
-std::string VolumeExtension(const std::string& path)
-{
-  std::string name = fs::path(path).filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
-}
-
-struct VolumeFile::Reader
-{
-  std::string Path;
-  std::string What;
-  itk::ImageIOBase::Pointer Itk;
-
-  /// Lets the format's reader see the header.
-  template <typename Format>
-  void Open(const char* format)
-  {
-    const auto reader = Format::New();
-    this->Itk = reader;
-    bool readable = false;
-    AskItk(this->Path, this->What, [&] { readable = reader->CanReadFile(this->Path.c_str()); });
-    if (!readable)
-    {
-      throw InputError(
-        this->Path + ": expected " + this->What + ", found data that is no " + format);
-    }
-  }
-  void ReadHeader()
-  {
-    this->Itk->SetFileName(this->Path);
-    AskItk(this->Path, this->What, [this] { this->Itk->ReadImageInformation(); });
-  }
-};
-
-VolumeFile::VolumeFile(const std::string& path, const std::string& what, VolumeAxes axes)
-  : Itk(new Reader{ path, what, {} })
-{
-  CheckFile(path, what);
-  const std::string extension = VolumeExtension(path);
-  StoredVoxels stored;
-  std::uint64_t storedBytes = 0;
-  if (extension == ".nrrd" || extension == ".nhdr")
-  {
-    this->Itk->Open<itk::NrrdImageIO>("NRRD");
-    const TextHeader header = TextHeader::ReadNrrd(path);
-    CheckNrrd(header);
-    stored = StoredVoxels::OfNrrd(header);
-    stored.CheckPresent(path, 0, 0);
-    this->Itk->ReadHeader();
-    this->HeaderGrid = GridOf(*this->Itk->Itk, path);
-    TurnNrrd(this->HeaderGrid, header, axes);
-  }
-  else if (extension == ".mha" || extension == ".mhd")
-  {
-    this->Itk->Open<itk::MetaImageIO>("MetaImage");
-    const TextHeader header = TextHeader::ReadMetaImage(path);
-    header.CheckSizes("dimsize");
-    header.CheckLengths({ "elementspacing", "elementsize", "offset", "position", "origin",
-      "transformmatrix", "rotation", "orientation" });
-    stored = StoredVoxels::OfMetaImage(header);
-    this->Itk->ReadHeader();
-    this->HeaderGrid = GridOf(*this->Itk->Itk, path);
-  }
-  else if (extension == ".nii" || extension == ".nii.gz")
-  {
-    this->Itk->Open<itk::NiftiImageIO>("NIfTI");
-    this->Itk->ReadHeader();
-    this->HeaderGrid = GridOf(*this->Itk->Itk, path);
-    stored = NiftiVoxels(*this->Itk->Itk, path, extension == ".nii.gz");
-    storedBytes = static_cast<std::uint64_t>(NiftiNumber(*this->Itk->Itk, "bitpix")) / 8;
-    TurnNifti(this->HeaderGrid, *this->Itk->Itk, axes);
-  }
-  else
-  {
-    throw InputError(path + ": expected " + what +
-      " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz), found the extension '" + extension + "'");
-  }
-  storedBytes = storedBytes > 0 ? storedBytes : this->Itk->Itk->GetComponentSize();
-  stored.CheckPresent(path, this->NumberOfVoxels(), storedBytes);
-  // ITK's formats keep up to three copies, the asking reader one of four bytes.
-  AllowMemory(ReadLimits::Of({ path }).MemoryBytes +
-    this->NumberOfVoxels() * (4 * std::max<std::uint64_t>(storedBytes, 8) + 8));
-}
-
-std::size_t VolumeFile::NumberOfVoxels() const
-{
-  std::size_t count = 1;
-  for (const int size : this->HeaderGrid.Size)
-  {
-    count *= static_cast<std::size_t>(size);
-  }
-  return count;
-}
-
-VolumeFile::~VolumeFile() = default;
-
-void VolumeFile::Decode(
-  const std::function<void(const double* values, std::size_t count)>& sink) const
-{
-  DecodeAll(*this->Itk->Itk, this->Itk->Path, this->Itk->What, sink);
-}
-
-void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint8_t* voxels)
-{
-  Write(path, grid, itk::ImageIOBase::IOComponentEnum::UCHAR, voxels);
-}
-
-void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint16_t* voxels)
-{
-  Write(path, grid, itk::ImageIOBase::IOComponentEnum::USHORT, voxels);
-}
-
-void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels,
-  unsigned channels, bool compressed)
-{
-  Write(path, grid, itk::ImageIOBase::IOComponentEnum::FLOAT, voxels, channels, compressed);
-}
+template void WriteVolumeFile(const std::string&, const VolumeGrid&, const std::uint8_t*, unsigned,
+  bool);
+template void WriteVolumeFile(const std::string&, const VolumeGrid&, const std::uint16_t*, unsigned,
+  bool);
+template void WriteVolumeFile(const std::string&, const VolumeGrid&, const float*, unsigned, bool);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/DisplacementTransform.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 
+#include "Private/InputFile.h"
 #include "Private/QuietStandardError.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -11,6 +12,7 @@
 #include <itkTxtTransformIO.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -76,7 +78,6 @@ std::string Hdf5Bytes(const Transform* transform)
   bytes << std::ifstream(path, std::ios::binary).rdbuf();
   return bytes.str();
 }
-}
 
 bool IsTransformExtension(const std::string& extension)
 {
@@ -88,7 +89,7 @@ void WriteDisplacementTransform(const DisplacementField& field, const std::strin
   const Transform::Pointer transform = ToItk(field);
   try
   {
-    if (VolumeExtension(path) == ".h5")
+    if (ExtensionOf(path) == ".h5")
     {
       WriteAtomicFile(path, Hdf5Bytes(transform));
       return;
@@ -101,5 +102,36 @@ void WriteDisplacementTransform(const DisplacementField& field, const std::strin
   {
     throw InputError(path + ": cannot be written (" + error.GetDescription() + ")");
   }
+}
+}
+
+void CheckDisplacementExtension(const std::string& path)
+{
+  const std::string extension = ExtensionOf(path);
+  if (!IsTransformExtension(extension) && !IsVolumeExtension(extension))
+  {
+    throw InputError(path +
+      ": expected the extension .nrrd, .mha, .nii.gz, .h5 or .tfm for a displacement, found '" +
+      extension + "'");
+  }
+}
+
+void WriteDisplacement(const DisplacementField& field, const std::string& path)
+{
+  CheckDisplacementExtension(path);
+  field.ValidateGrid(path, field.Vectors.size() / 3);
+  const auto bad = std::find_if_not(field.Vectors.begin(), field.Vectors.end(),
+    [](float value) { return std::isfinite(value); });
+  if (field.Vectors.size() % 3 != 0 || bad != field.Vectors.end())
+  {
+    throw InputError(path + ": expected three finite numbers for each voxel, found " +
+      (bad != field.Vectors.end() ? "others" : std::to_string(field.Vectors.size()) + " numbers"));
+  }
+  if (IsTransformExtension(ExtensionOf(path)))
+  {
+    WriteDisplacementTransform(field, path);
+    return;
+  }
+  WriteVolumeFile(path, field, field.Vectors.data(), 3);
 }
 }
