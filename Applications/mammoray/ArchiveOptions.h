@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the sub-commands that speak to an archive share. No algorithms here.
+// Options of the commands that connect to an archive.
 #ifndef mammoray_ArchiveOptions_h
 #define mammoray_ArchiveOptions_h
 

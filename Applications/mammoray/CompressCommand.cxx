@@ -34,7 +34,7 @@ struct CompressArguments
   int SeriesSteps = 11;
 };
 
-/// What is compressed, and what is simulated on.
+/// Declares the mesh to compress and the one to simulate on.
 void DeclareMeshes(const OptionList& add, CompressionCase& input)
 {
   add(Shared::Mesh, input.Mesh)->required();
@@ -49,7 +49,7 @@ void DeclareMeshes(const OptionList& add, CompressionCase& input)
     "linear takes a tenth of the time and needs three times as many cells a side)");
 }
 
-/// How the unit stands and closes.
+/// Declares where the unit stands and how far it closes.
 void DeclareUnit(const OptionList& add, CompressArguments& arguments)
 {
   CompressionCase& input = arguments.Case;
@@ -66,7 +66,7 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
     "radius of the plates' chest-wall edges");
 }
 
-/// What the breast feels beside the plates.
+/// Declares the loads beside the plates.
 void DeclareLoading(const OptionList& add, CompressionCase& input)
 {
   CompressionOptions& loading = input.Loading;

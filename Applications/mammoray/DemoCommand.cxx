@@ -36,7 +36,7 @@ void RunCommand(const std::vector<std::string>& words)
   CLI::App application;
   AddRegisterCommand(application);
   AddEvaluateCommand(application);
-  std::vector<std::string> lastFirst(words.rbegin(), words.rend()); // as CLI11 takes them
+  std::vector<std::string> lastFirst(words.rbegin(), words.rend()); // CLI11 takes them from the end
   application.parse(lastFirst);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the sub-commands that write DICOM share. No algorithms here.
+// Options of the commands that write DICOM.
 #ifndef mammoray_DicomOptions_h
 #define mammoray_DicomOptions_h
 

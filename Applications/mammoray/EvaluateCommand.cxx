@@ -22,7 +22,7 @@ struct EvaluateArguments
   std::string Result;
   std::string Landmarks;
   std::string SecondReader;
-  /// Of a virtual study.
+  /// A virtual study's truth.json.
   std::string Study;
   std::string Answers;
   std::string TruthOrientation = "LPS";
@@ -79,7 +79,7 @@ void PrintPointErrors(const std::string& view, const char* group, const PointErr
   std::printf("%-8s %-7s %6zu ", view.c_str(), group, errors.OnReceptorMm.size());
   for (const std::vector<double>& of : { errors.InSpaceMm, errors.OnReceptorMm })
   {
-    if (of.empty()) // a method that tells no depth
+    if (of.empty()) // the method gives no depth
     {
       std::printf(" %7s %7s %7s  ", "-", "-", "-");
       continue;

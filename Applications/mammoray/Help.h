@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says of itself, and to words that it does not know.
+// Help texts, and spelling suggestions for unknown words.
 #ifndef mammoray_Help_h
 #define mammoray_Help_h
 

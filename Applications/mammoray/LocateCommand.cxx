@@ -92,7 +92,7 @@ struct NamedBreast
   RegisteredBreast Breast;
 };
 
-/// Each point of the curve, and where the other mammograms show it.
+/// Writes each point of the curve and where the other mammograms show it.
 void WriteCurve(const std::vector<RaySegment>& segments, const std::vector<NamedBreast>& others,
   const std::string& path)
 {
@@ -123,8 +123,8 @@ void WriteCurve(const std::vector<RaySegment>& segments, const std::vector<Named
   WriteAtomicFile(path, file.str());
 }
 
-/// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
-/// that of the receptor.
+/// Prints where another mammogram shows what lies behind the pixel: a line from the side of the
+/// source to that of the receptor.
 void PrintInOther(const NamedBreast& other, const std::vector<RaySegment>& segments)
 {
   const ImagedPoint from = other.Breast.ToMammogram(segments.front().Uncompressed.front());
@@ -229,7 +229,7 @@ void PrintInBoth(const std::optional<TissueInTwoViews>& found)
     point[0], point[1], point[2], found->GapMm);
 }
 
-/// Closed polygons, one after the other.
+/// Writes closed polygons, one after the other.
 void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
   const std::string& path)
 {
@@ -248,11 +248,11 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
   WriteAtomicFile(path, file.str());
 }
 
-/// One segment for each lesion.
+/// Writes one segment for each lesion.
 void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const DicomReference& image,
   const LocateArguments& arguments)
 {
-  // The study tells viewers what belongs together; it names nobody.
+  // Viewers group objects by study; its UID names nobody.
   DicomIdentity identity;
   identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
   std::vector<DicomSegment> segments;
@@ -308,7 +308,7 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   }
 }
 
-/// What a DICOM file needs.
+/// Throws InputError unless a DICOM segmentation has its lesion and its mammogram.
 void CheckDicomOptions(const LocateArguments& arguments)
 {
   if (!IsDicomPath(arguments.Output))
@@ -323,7 +323,7 @@ void CheckDicomOptions(const LocateArguments& arguments)
   }
 }
 
-/// In the view that was asked for, or in all.
+/// Prints where the point lies in the chosen view, or in all.
 void PrintPoint(const Vector3& point, const std::optional<NamedBreast>& asked,
   const std::vector<NamedBreast>& others)
 {
@@ -371,7 +371,7 @@ void Run(LocateArguments& arguments)
   }
   if (asked && arguments.Point)
   {
-    others.clear(); // of the one view only
+    others.clear(); // --view restricts the answer to one view
   }
   if (arguments.Point)
   {

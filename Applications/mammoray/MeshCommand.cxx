@@ -43,7 +43,7 @@ struct MeshArguments
   std::string CutPicture;
 };
 
-/// What is meshed, what is written.
+/// Declares the files that are read and written.
 void DeclareFiles(const OptionList& add, MeshArguments& arguments)
 {
   MeshCase& input = arguments.Case;
@@ -161,13 +161,13 @@ void CheckReportFiles(const MeshArguments& arguments)
   CheckPictureFile(arguments.CutPicture);
 }
 
-/// Report and pictures, where they are asked for; `grid` may be null where there are no cuts.
+/// Writes the report and pictures that were requested. `grid` may be null if there are no cuts.
 void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   const MeshCheck& check, const std::vector<std::string>& names, vtkUnstructuredGrid* grid)
 {
   if (!arguments.CutPicture.empty())
   {
-    WriteMeshCuts(grid, std::nullopt, names, arguments.CutPicture);
+    WriteMeshCuts(grid, names, arguments.CutPicture);
   }
   if (!arguments.Report.empty())
   {
@@ -248,7 +248,7 @@ void RunCheck(const MeshArguments& arguments)
   PrintCheck(check, names);
   for (const MeshDefect& defect : check.Defects)
   {
-    // The last is told as the error that it is.
+    // The last one becomes the error message.
     const ConvergenceError error(arguments.Check + ": " + defect.Text(names));
     if (&defect == &check.Defects.back())
     {

@@ -115,7 +115,7 @@ std::optional<double> ReadNumber(const std::string& text)
     : std::nullopt;
 }
 
-/// What a whole number is expected to be where the text is none; empty where it is one.
+/// Describes the whole number that is expected; empty if the text is one.
 std::string ExpectedOfWhole(const std::string& text, double lowest, double largest)
 {
   const std::size_t first = std::min(text.find_first_not_of("+-"), text.size());

@@ -64,14 +64,14 @@ inline constexpr const char* ProgramHeading = "Of every command";
 inline constexpr const char* FileTypeName = "FILE";
 inline constexpr const char* InputTypeName = "PATH";
 
-/// What is declared of an option beside what CLI11 keeps: names, help, default, whether required.
+/// An option with what CLI11 does not keep of its declaration.
 struct Declaration
 {
   CLI::Option* Option = nullptr;
   Shown Where = Shown::InHelp;
-  /// As JSON schema names it: "number", "integer", "string" or "boolean".
+  /// A type of JSON schema: "number", "integer", "string" or "boolean".
   const char* Kind = "string";
-  /// Of numbers.
+  /// Unit and range of numbers.
   Quantity Numbers = "";
   /// The values that can be chosen; empty: any.
   std::vector<std::string> Words = {};
@@ -233,7 +233,7 @@ public:
     return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder(false));
   }
 
-  /// The same of files that must be there.
+  /// Files that must exist.
   template <typename T>
   CLI::Option* File(const std::string& name, T& value, const std::string& help) const
   {
@@ -374,7 +374,7 @@ private:
 };
 
 /// Adds a sub-command that is declared by `declare` and run by `run` with what was given.
-/// `example`: words of a call, on files of one's own or, where it needs none, as it stands.
+/// `example` shows a call, without the program's name.
 template <typename Arguments>
 Command* AddCommand(CLI::App& application, const std::string& name, const std::string& description,
   const std::string& example, void (*declare)(const OptionList& add, Arguments& arguments),

@@ -20,7 +20,7 @@ constexpr std::pair<const char*, const char*> OtherNames[] = {
   { "Surfaces", "--surface" },
 };
 
-/// What names of fields end in, which those of options do not.
+/// Suffixes of fields that options do not have.
 constexpr const char* Units[] = { "Mm", "Deg", "KeV", "KPa", "GPerCm3" };
 
 bool IsLetter(char letter)
@@ -94,7 +94,7 @@ std::string Complaint(const std::exception& error)
   }
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
   {
-    // As of a name that is too long.
+    // For example, a name that is too long.
     return EscapeControls(file->path1().string()) + ": cannot be looked for (" +
       file->code().message() + ")";
   }

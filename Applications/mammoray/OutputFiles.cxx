@@ -30,7 +30,7 @@ std::vector<fs::path>& GivenPaths()
 
 bool IsWithin(const fs::path& path, const fs::path& folder)
 {
-  std::error_code ignored; // of names that are too long and of circular links
+  std::error_code ignored; // long names and circular links
   const fs::path inner = fs::weakly_canonical(path, ignored);
   const fs::path outer = fs::weakly_canonical(folder, ignored);
   return !outer.empty() && inner != outer &&

@@ -18,8 +18,8 @@ namespace
 volatile std::sig_atomic_t interruptCount = 0;
 volatile std::sig_atomic_t interruptSignal = 0;
 
-/// What does not ask whether it is to stop, as it waits for a pipe or a library, is ended then;
-/// more than the longest part of work between two questions takes.
+/// Work that does not poll InterruptRequested, because it waits for a pipe or a library, is ended
+/// after this time. Longer than the longest work between two polls.
 constexpr unsigned int SecondsUntilHeard = 120;
 
 void OnAlarm(int)
@@ -93,7 +93,7 @@ private:
     return std::chrono::duration<double>(Clock::now() - begin).count();
   }
 
-  /// ", about 12 s left", or nothing where that cannot be told.
+  /// ", about 12 s left", or nothing while it is unknown.
   std::string Remaining(double fraction) const
   {
     const double passed = SecondsSince(this->Begin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long work tells of itself, and how it is stopped.
+// Progress of long work on stderr, and how it is stopped.
 #ifndef mammoray_ProgressBar_h
 #define mammoray_ProgressBar_h
 
@@ -8,10 +8,10 @@
 namespace mammoray
 {
 /**
- * A callback that tells on stderr, in indented lines, each part (PartOf) of the work that took a
- * second or more, with its time; within a part it draws a bar with the time that is left where
- * stderr is a terminal, else it tells a line every ten seconds. It asks to stop as
- * InterruptRequested says.
+ * A callback that writes a line to stderr for each part (PartOf) of the work that took a second or
+ * more, with its time. Within a part it draws a bar with the remaining time if stderr is a
+ * terminal, else it writes a line every ten seconds. It requests a stop when InterruptRequested
+ * does.
  */
 ProgressCallback MakeProgressBar();
 

@@ -35,7 +35,7 @@ struct RegisterArguments
   std::string Output;
 };
 
-/// A clinic's export, or labels, materials and mammograms.
+/// Declares a clinic's export, or labels, materials and mammograms.
 void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
@@ -60,7 +60,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
     "of a study 10");
 }
 
-/// What the report begins with, and whom it names.
+/// Declares what the report begins with, and whom it names.
 void DeclareReport(const OptionList& add, RegistrationCase& input)
 {
   const OptionList report = add.Group("Report");
@@ -225,7 +225,7 @@ void PrintView(const RegisteredView& view)
   }
 }
 
-/// What is registered, and what is to be known of it.
+/// Prints what is taken of a study, and warnings about it.
 void PrintStudy(const StudyChoice& choice)
 {
   const auto print = [](const std::string& name, const std::string& reason)

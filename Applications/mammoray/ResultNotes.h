@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stderr says of a registration's result before questions about it are answered.
+// Warnings about a registration's result on stderr.
 #ifndef mammoray_ResultNotes_h
 #define mammoray_ResultNotes_h
 

@@ -105,7 +105,7 @@ ViewerOptions ToViewerOptions(const ViewArguments& arguments)
   return options;
 }
 
-/// What either viewer is asked for.
+/// Runs what the options request of either viewer.
 template <typename Viewer>
 void Show(const ViewArguments& arguments, Viewer& viewer, const char* moves)
 {

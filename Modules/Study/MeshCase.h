@@ -93,11 +93,10 @@ MAMMORAYSTUDY_EXPORT std::string MeshReport(const MeshCase& input, const MeshCas
 MAMMORAYSTUDY_EXPORT void WriteQualityPicture(const MeshCheck& check,
   const std::vector<std::string>& names, const std::string& path);
 
-/// Draws three plane cuts (.png) through a point, mm, by default through the cell that is nearest
-/// to the middle of the mesh. Throws InputError if it cannot be written.
+/// Draws three plane cuts (.png) through the cell that is nearest to the middle of the mesh. Throws
+/// InputError if it cannot be written.
 MAMMORAYSTUDY_EXPORT void WriteMeshCuts(vtkUnstructuredGrid* mesh,
-  const std::optional<Vector3>& point, const std::vector<std::string>& names,
-  const std::string& path);
+  const std::vector<std::string>& names, const std::string& path);
 }
 
 #endif

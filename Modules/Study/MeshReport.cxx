@@ -146,9 +146,9 @@ void WriteQualityPicture(const MeshCheck& check, const std::vector<std::string>&
   WriteHistogramPicture({ dihedral, ratio }, path);
 }
 
-void WriteMeshCuts(vtkUnstructuredGrid* mesh, const std::optional<Vector3>& point,
-  const std::vector<std::string>& names, const std::string& path)
+void WriteMeshCuts(vtkUnstructuredGrid* mesh, const std::vector<std::string>& names,
+  const std::string& path)
 {
-  WriteCutPicture(CutsThrough(mesh, point ? *point : MiddleOf(mesh)), names, path);
+  WriteCutPicture(CutsThrough(mesh, MiddleOf(mesh)), names, path);
 }
 }
