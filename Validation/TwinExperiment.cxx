@@ -106,7 +106,7 @@ std::vector<double> DrawTruth(Draws& draws, TwinKind kind, double heightMm)
 std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind, int number,
   const std::vector<double>& truth)
 {
-  BreastPose start;
+  BreastPose start = DefaultStart();
   if (kind == TwinKind::WrongStart)
   {
     start.ThicknessMm = truth[ThicknessParameter] + 5 * draws.Sign();
@@ -119,7 +119,6 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind, i
   {
     start.ThicknessMm = truth[ThicknessParameter] + draws.Between(-3, 3);
     start.RollDeg = truth[RollParameter] + draws.Between(-10, 10);
-    start.AnteriorMm = 5;
     if (kind == TwinKind::WrongThickness)
     {
       start.ThicknessMm =

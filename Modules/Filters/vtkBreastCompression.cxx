@@ -32,12 +32,12 @@ namespace
 {
 using namespace mammoray;
 
-struct HeldMaterial
+struct ElasticEntry
 {
   ElasticMaterial Elastic;
   bool Fixed = false;
 
-  bool operator==(const HeldMaterial&) const = default;
+  bool operator==(const ElasticEntry&) const = default;
 };
 
 /// What the model is made of.
@@ -47,6 +47,7 @@ struct CompressionSetup
   TetrahedralMesh Anatomy;
   /// To simulate on; none: the anatomy itself where it is coarse enough.
   std::optional<TetrahedralMesh> Coarse;
+  AnatomicalAxes Axes;
   ElasticTable Materials;
   CompressionOptions Options;
   /// Of the image; 0: not to be unloaded of.
@@ -55,7 +56,7 @@ struct CompressionSetup
   bool operator==(const CompressionSetup& other) const
   {
     return this->Anatomy == other.Anatomy && this->Coarse == other.Coarse &&
-      this->Materials.Elastic == other.Materials.Elastic &&
+      this->Axes == other.Axes && this->Materials.Elastic == other.Materials.Elastic &&
       this->Materials.Fixed == other.Materials.Fixed && this->Options == other.Options &&
       this->ImageGravity == other.ImageGravity;
   }
@@ -72,7 +73,8 @@ double TimeAsked(vtkInformation* information)
 
 struct vtkBreastCompression::Internals
 {
-  std::map<int, HeldMaterial> Given;
+  /// Constants of SetMaterial, by material.
+  std::map<int, ElasticEntry> OwnMaterials;
   CompressionSetup Made;
   std::unique_ptr<BreastModel> Model;
   std::optional<CompressionState> State;
@@ -110,7 +112,7 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
     materials = ElasticTable(FindMaterialTable(table));
   }
   std::vector<bool> known(materials.Fixed.size(), true);
-  for (const auto& [index, material] : this->Given)
+  for (const auto& [index, material] : this->OwnMaterials)
   {
     const auto size = std::max(known.size(), static_cast<std::size_t>(index) + 1);
     materials.Elastic.resize(size);
@@ -134,8 +136,8 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
 CompressionSetup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompression& filter,
   vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse) const
 {
-  const AnatomicalAxes axes = AnatomicalAxes::FromCode(filter.Orientation);
   CompressionSetup setup;
+  setup.Axes = AnatomicalAxes::FromCode(filter.Orientation);
   setup.Anatomy = FromGrid(input);
   setup.Anatomy.Validate("vtkBreastCompression's input");
   setup.Materials =
@@ -150,15 +152,15 @@ CompressionSetup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompres
   setup.Options.ChestWall = static_cast<ChestWallMode>(filter.ChestWall);
   setup.Options.Wall = { filter.WallStiffness[0], filter.WallStiffness[1] };
   setup.Options.Friction = filter.Friction;
-  setup.Options.PullN = filter.PullN * axes.Anterior;
+  setup.Options.PullN = filter.PullN * setup.Axes.Anterior;
   if (filter.ImagePosition != NONE)
   {
     setup.ImageGravity = GravityIn(
-      filter.ImagePosition == PRONE ? PatientPosition::Prone : PatientPosition::Supine, axes);
+      filter.ImagePosition == PRONE ? PatientPosition::Prone : PatientPosition::Supine, setup.Axes);
   }
   if (filter.Gravity || filter.ImagePosition != NONE)
   {
-    setup.Options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
+    setup.Options.GravityMPerS2 = GravityIn(PatientPosition::Upright, setup.Axes);
   }
   return setup;
 }
@@ -286,18 +288,18 @@ void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, do
     vtkErrorMacro(<< "SetMaterial: expected a material in [1, 65535], found " << material);
     return;
   }
-  auto given = this->Internal->Given;
-  given[material] = { { .YoungsModulusKPa = youngsModulusKPa,
-                        .PoissonRatio = poissonRatio,
-                        .FungExponent = fungExponent,
-                        .DensityGPerCm3 = densityGPerCm3 },
+  auto materials = this->Internal->OwnMaterials;
+  materials[material] = { { .YoungsModulusKPa = youngsModulusKPa,
+                            .PoissonRatio = poissonRatio,
+                            .FungExponent = fungExponent,
+                            .DensityGPerCm3 = densityGPerCm3 },
     fixed };
-  SetProperty(this, this->Internal->Given, std::move(given));
+  SetProperty(this, this->Internal->OwnMaterials, std::move(materials));
 }
 
 void vtkBreastCompression::ClearMaterials()
 {
-  SetProperty(this, this->Internal->Given, {});
+  SetProperty(this, this->Internal->OwnMaterials, {});
 }
 
 int vtkBreastCompression::RequestInformation(vtkInformation*, vtkInformationVector**,
@@ -356,7 +358,7 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   Internals& internal = *this->Internal;
   internal.Prepare(internal.SetupOf(*this, input, coarse), ProgressOf(this));
   UnitPlacement placement;
-  placement.Axes = AnatomicalAxes::FromCode(this->Orientation);
+  placement.Axes = internal.Made.Axes;
   placement.Anchor =
     FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Fixed, placement.Axes);
   placement.Unit.SupportEdgeMm = this->SupportEdgeMm;

@@ -53,17 +53,12 @@ public:
   ///@{
   /**
    * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of
-   * materials 1, 2, ... and which are fixed. Empty: only what SetMaterial says. Default empty.
+   * materials 1, 2, ... and which are fixed. Empty: only the constants of SetMaterial.
+   * MaterialTableFile, the path of a table, takes precedence; it serves interfaces that offer the
+   * shipped tables as a list, as ParaView does. Default empty.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
-   * shipped ones as a list, as ParaView does. Empty, the default: none.
-   */
   void SetMaterialTableFile(const char* path);
   vtkGetCharFromStdStringMacro(MaterialTableFile);
   ///@}
@@ -79,13 +74,13 @@ public:
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
    * [0, 0.5); whether its cells are fixed; how fast it stiffens (Fung's exponent in [0, 50]; 0:
-   * neo-Hookean); density, g/cm^3, positive. Goes before the table.
+   * neo-Hookean); density, g/cm^3, positive. Takes precedence over the table.
    */
   void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool fixed,
     double fungExponent = 0, double densityGPerCm3 = 1);
 
   /**
-   * Forgets what SetMaterial said.
+   * Removes the constants of SetMaterial.
    */
   void ClearMaterials();
 
@@ -108,172 +103,109 @@ public:
 
   ///@{
   /**
-   * Distance between the faces of support and paddle, mm. Positive; default 50.
+   * How far the plates are closed: distance of their faces, mm, positive; or, if ForceN is
+   * positive, the force of the paddle, N, for which the thickness is found. Defaults 50, 0.
    */
   vtkSetMacro(ThicknessMm, double);
   vtkGetMacro(ThicknessMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Force of the paddle, N, whose thickness is found in place of ThicknessMm; 0: ThicknessMm
-   * counts. Not negative; default 0.
-   */
   vtkSetMacro(ForceN, double);
   vtkGetMacro(ForceN, double);
   ///@}
 
   ///@{
   /**
-   * Turn of the paddle about its chest-wall edge, where the thickness then counts; degrees,
-   * positive opens it towards the nipple. Default 0.
+   * Turns of the unit, degrees: RollDeg about the anterior axis (0 is CC, positive towards the
+   * patient's left), then PitchDeg about its lateral axis (positive turns the source to the front),
+   * then YawDeg about its vertical axis (positive to the patient's left in CC); and TiltDeg of the
+   * paddle about its chest-wall edge, where the thickness then holds (positive opens it towards the
+   * nipple). Default 0.
    */
+  vtkSetMacro(RollDeg, double);
+  vtkGetMacro(RollDeg, double);
+  vtkSetMacro(PitchDeg, double);
+  vtkGetMacro(PitchDeg, double);
+  vtkSetMacro(YawDeg, double);
+  vtkGetMacro(YawDeg, double);
   vtkSetMacro(TiltDeg, double);
   vtkGetMacro(TiltDeg, double);
   ///@}
 
   ///@{
   /**
-   * Turn of the unit about the anterior axis, degrees; 0 is CC, positive towards the left. Default
-   * 0.
-   */
-  vtkSetMacro(RollDeg, double);
-  vtkGetMacro(RollDeg, double);
-  ///@}
-
-  ///@{
-  /**
-   * Turn of the rolled unit about its lateral axis, degrees; positive turns the source to the
-   * front. Default 0.
-   */
-  vtkSetMacro(PitchDeg, double);
-  vtkGetMacro(PitchDeg, double);
-  ///@}
-
-  ///@{
-  /**
-   * Turn of the unit about its vertical axis, degrees; positive turns it to the patient's left
-   * (CC). Default 0.
-   */
-  vtkSetMacro(YawDeg, double);
-  vtkGetMacro(YawDeg, double);
-  ///@}
-
-  ///@{
-  /**
-   * Shift of the receptor along its chest-wall edge, mm. Default 0.
+   * Shifts, mm: of the receptor along its chest-wall edge (LateralMm) and away from the chest wall
+   * (AnteriorMm), and of the plates' mid-plane towards the source (VerticalMm). Default 0.
    */
   vtkSetMacro(LateralMm, double);
   vtkGetMacro(LateralMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Shift of the receptor away from the chest wall, mm. Default 0.
-   */
   vtkSetMacro(AnteriorMm, double);
   vtkGetMacro(AnteriorMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Shift of the plates' mid-plane towards the source, mm. Default 0.
-   */
   vtkSetMacro(VerticalMm, double);
   vtkGetMacro(VerticalMm, double);
   ///@}
 
   ///@{
   /**
-   * Chest-wall edge of the support, mm in front of the receptor's. Default 0.
+   * Chest-wall edges of support and paddle, mm in front of the receptor's, default 0; and their
+   * radius, 0 to 100 mm, default 3.
    */
   vtkSetMacro(SupportEdgeMm, double);
   vtkGetMacro(SupportEdgeMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Chest-wall edge of the paddle, mm in front of the receptor's. Default 0.
-   */
   vtkSetMacro(PaddleEdgeMm, double);
   vtkGetMacro(PaddleEdgeMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Radius of the plates' chest-wall edges, mm, 0 to 100. Default 3.
-   */
   vtkSetMacro(EdgeRadiusMm, double);
   vtkGetMacro(EdgeRadiusMm, double);
   ///@}
 
-  ///@{
-  /**
-   * How the breast is attached to the fixed materials: FIXED, SLIDING along their surface, or by an
-   * ELASTIC layer of WallStiffness. Default FIXED.
-   */
   enum ChestWallType
   {
     FIXED,
     SLIDING,
     ELASTIC
   };
+  ///@{
+  /**
+   * How the breast is attached to the fixed materials: FIXED, the default, SLIDING along their
+   * surface, or by an ELASTIC layer. WallStiffness is the stiffness of that layer across the wall
+   * (positive; also with SLIDING) and along it (not negative), kPa/mm, default (1000, 1).
+   */
   vtkSetClampMacro(ChestWall, int, FIXED, ELASTIC);
   vtkGetMacro(ChestWall, int);
   void SetChestWallToFixed() { this->SetChestWall(FIXED); }
   void SetChestWallToSliding() { this->SetChestWall(SLIDING); }
   void SetChestWallToElastic() { this->SetChestWall(ELASTIC); }
-  ///@}
-
-  ///@{
-  /**
-   * Stiffness of the chest wall's layer across the wall (positive) and along it (not negative; of
-   * ELASTIC), kPa/mm. Default (1000, 1).
-   */
   vtkSetVector2Macro(WallStiffness, double);
   vtkGetVector2Macro(WallStiffness, double);
   ///@}
 
   ///@{
   /**
-   * Force that draws the breast forwards onto the receptor, N, spread over its volume. Default 0.
+   * Force that draws the breast forwards onto the receptor, N, spread over its volume; and
+   * coefficient of friction between breast and plates, not negative. Default 0.
    */
   vtkSetMacro(PullN, double);
   vtkGetMacro(PullN, double);
-  ///@}
-
-  ///@{
-  /**
-   * Coefficient of friction between breast and plates, not negative. Default 0.
-   */
   vtkSetMacro(Friction, double);
   vtkGetMacro(Friction, double);
   ///@}
 
-  ///@{
-  /**
-   * How the patient lay when the input was imaged: PRONE or SUPINE breasts are first unloaded of
-   * their weight, then compressed under that of the standing patient. With NONE the input is free
-   * of load. Default NONE.
-   */
   enum ImagePositionType
   {
     NONE,
     PRONE,
     SUPINE
   };
+  ///@{
+  /**
+   * How the patient lay when the input was imaged: PRONE or SUPINE breasts are first unloaded of
+   * their weight, then compressed under that of the standing patient. With NONE, the default, the
+   * input is free of load, and Gravity (default off) applies the weight of the standing patient
+   * during the compression.
+   */
   vtkSetClampMacro(ImagePosition, int, NONE, SUPINE);
   vtkGetMacro(ImagePosition, int);
   void SetImagePositionToNone() { this->SetImagePosition(NONE); }
   void SetImagePositionToProne() { this->SetImagePosition(PRONE); }
   void SetImagePositionToSupine() { this->SetImagePosition(SUPINE); }
-  ///@}
-
-  ///@{
-  /**
-   * Whether the weight of the standing patient counts during the compression even if ImagePosition
-   * is NONE. Default off.
-   */
   vtkSetMacro(Gravity, bool);
   vtkGetMacro(Gravity, bool);
   vtkBooleanMacro(Gravity, bool);
@@ -289,7 +221,7 @@ public:
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
+   * Accepts implausible values (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);

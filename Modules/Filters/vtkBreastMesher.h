@@ -4,8 +4,8 @@
  * @brief   Meshes a label volume: tetrahedra with a material each.
  *
  * Input 0: vtkImageData, i x j x k voxels, point scalars of one component: labels, whole numbers in
- * [0, 65535], 0 mostly air; origin, spacing (mm) and direction are kept. MaterialTable says which
- * material each label is made of; without one the labels are material indices.
+ * [0, 65535], 0 mostly air; origin, spacing (mm) and direction are kept. MaterialTable has the
+ * material of each label; without one the labels are material indices.
  *
  * Output 0: vtkUnstructuredGrid of linear tetrahedra, points in mm in the image's frame, cell array
  * "Material" (int), field arrays "MaterialNames" (strings) and "MaterialVolumesMm3" (double, of the
@@ -34,17 +34,12 @@ public:
   ///@{
   /**
    * Path of a material table (JSON), or the name of a shipped one. Empty: labels are material
-   * indices. Default empty.
+   * indices.
+   * MaterialTableFile, the path of a table, takes precedence; it serves interfaces that offer the
+   * shipped tables as a list, as ParaView does. Default empty.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
-   * shipped ones as a list, as ParaView does. Empty, the default: none.
-   */
   void SetMaterialTableFile(const char* path);
   vtkGetCharFromStdStringMacro(MaterialTableFile);
   ///@}
@@ -78,8 +73,8 @@ public:
 
   ///@{
   /**
-   * A coarse mesh for vtkBreastCompression, of 3000 to 6000 cells with CellSizeMm 0, that follows
-   * the skin and the border of the fixed tissue only; NumberOfTriangles does not count. Default
+   * Makes a coarse mesh for vtkBreastCompression, of 3000 to 6000 cells with CellSizeMm 0, which
+   * follows only the skin and the border of the fixed tissue and ignores NumberOfTriangles. Default
    * off.
    */
   vtkSetMacro(ForMechanics, bool);
@@ -89,7 +84,7 @@ public:
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
+   * Accepts implausible values (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);

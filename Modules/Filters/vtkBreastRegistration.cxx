@@ -29,28 +29,30 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <sstream>
+#include <utility>
 
 namespace
 {
 using namespace mammoray;
 
-/// What a breast ready to be registered is made of: meshes, or labels.
+/// Everything that the model is made from: meshes or labels.
 struct RegistrationSetup
 {
   std::optional<TetrahedralMesh> Anatomy;
   std::optional<TetrahedralMesh> Coarse;
-  /// Of labels the image and its time.
+  /// The image of labels and its time.
   const vtkImageData* Labels = nullptr;
   vtkMTimeType LabelsTime = 0;
   std::string Table;
-  std::string Orientation;
+  AnatomicalAxes Axes;
   std::string Device;
 
   bool operator==(const RegistrationSetup&) const = default;
 };
 
-/// Of finer labels so many mm, as of 'mammoray register'.
+/// Voxel size to which finer labels are resampled, mm, as in 'mammoray register'.
 constexpr double LabelSpacingMm = 0.5;
 
 LabelVolume MaterialsOf(vtkImageData* image, const MaterialTable& table, bool acceptUnusual)
@@ -66,15 +68,15 @@ LabelVolume MaterialsOf(vtkImageData* image, const MaterialTable& table, bool ac
     : materials;
 }
 
-void AddDoubles(vtkFieldData* fields, const char* name, const std::vector<double>& values,
+vtkSmartPointer<vtkDoubleArray> ToArray(const std::string& name, std::span<const double> values,
   int components = 1)
 {
-  vtkNew<vtkDoubleArray> array;
-  array->SetName(name);
+  auto array = vtkSmartPointer<vtkDoubleArray>::New();
+  array->SetName(name.c_str());
   array->SetNumberOfComponents(components);
   array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()) / components);
   std::copy(values.begin(), values.end(), array->GetPointer(0));
-  fields->AddArray(array);
+  return array;
 }
 
 void AddStrings(vtkFieldData* fields, const char* name, const std::vector<std::string>& values)
@@ -88,17 +90,7 @@ void AddStrings(vtkFieldData* fields, const char* name, const std::vector<std::s
   fields->AddArray(array);
 }
 
-void AddVectors(vtkUnstructuredGrid* grid, const std::string& name, std::span<const double> values)
-{
-  vtkNew<vtkDoubleArray> array;
-  array->SetName(name.c_str());
-  array->SetNumberOfComponents(3);
-  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size() / 3));
-  std::copy(values.begin(), values.end(), array->GetPointer(0));
-  grid->GetPointData()->AddArray(array);
-}
-
-/// The grid with its points moved, and how far from where they were at rest.
+/// Moves the points of the grid and adds their displacement from `rest`.
 void AddDisplaced(vtkUnstructuredGrid* output, vtkUnstructuredGrid* grid,
   const std::vector<double>& points, const std::vector<double>& rest)
 {
@@ -116,23 +108,23 @@ void AddDisplaced(vtkUnstructuredGrid* output, vtkUnstructuredGrid* grid,
     moved->SetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
   }
   output->SetPoints(moved);
-  AddVectors(output, "Displacement", displacement);
+  output->GetPointData()->AddArray(ToArray("Displacement", displacement, 3));
 }
 
-/// How the moved points change with each parameter that was found, seen from the unit.
+/// Adds the derivatives of the moved points with each estimated parameter, seen from the unit.
 void AddSensitivities(vtkUnstructuredGrid* output, const ViewResult& result)
 {
   for (std::size_t index = 0; index < result.Parameters.size(); ++index)
   {
     if (!result.Parameters[index].Fixed)
     {
-      AddVectors(output, SensitivityArrayPrefix + result.Parameters[index].Name,
-        result.Sensitivities[index]);
+      output->GetPointData()->AddArray(ToArray(
+        SensitivityArrayPrefix + result.Parameters[index].Name, result.Sensitivities[index], 3));
     }
   }
 }
 
-/// Fixes all parameters but those named.
+/// Fixes all parameters except those named.
 void Free(const std::string& names, std::vector<RegistrationParameter>& parameters)
 {
   for (RegistrationParameter& parameter : parameters)
@@ -156,21 +148,27 @@ void AddResult(vtkUnstructuredGrid* output, const ViewResult& result)
   }
   AddStrings(fields, "ParameterNames", names);
   AddStrings(fields, "StopReason", { result.StopReason });
-  AddDoubles(fields, "Parameters", result.Values);
-  AddDoubles(fields, "ParameterDeviations", result.StandardDeviations);
-  AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
+  fields->AddArray(ToArray("Parameters", result.Values));
+  fields->AddArray(ToArray("ParameterDeviations", result.StandardDeviations));
+  fields->AddArray(ToArray("Covariance", result.Covariance, static_cast<int>(names.size())));
   AddPlacement(output, result.Placed);
-  AddDoubles(fields, "Correlation", { result.After.Correlation });
-  AddDoubles(fields, "TissueCorrelation", { result.After.TissueCorrelation });
-  AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
-  AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
-  AddDoubles(fields, "PaddleForceN", { result.State.PaddleForceN });
-  AddDoubles(fields, "Converged", { result.Converged ? 1.0 : 0.0 });
+  const std::pair<const char*, double> numbers[] = {
+    { "Correlation", result.After.Correlation },
+    { "TissueCorrelation", result.After.TissueCorrelation },
+    { "MeanOutlineDistanceMm", result.After.MeanOutlineDistanceMm },
+    { "LargestOutlineDistanceMm", result.After.LargestOutlineDistanceMm },
+    { "PaddleForceN", result.State.PaddleForceN },
+    { "Converged", result.Converged ? 1.0 : 0.0 },
+  };
+  for (const auto& [name, value] : numbers)
+  {
+    fields->AddArray(ToArray(name, { &value, 1 }));
+  }
   AddStrings(fields, "Trust", { NameOf(result.Trust.Level) });
   AddStrings(fields, "TrustReasons", result.Trust.Reasons);
-  AddDoubles(fields, "ExpectedErrorMm",
+  fields->AddArray(ToArray("ExpectedErrorMm",
     result.Expected ? std::vector{ result.Expected->MedianMm, result.Expected->Most95Mm }
-                    : std::vector<double>());
+                    : std::vector<double>()));
 }
 }
 
@@ -181,7 +179,7 @@ struct vtkBreastRegistration::Internals
   RegistrationSetup Setup;
   /// Made of Setup, without views.
   RegistrationProblem Problem;
-  /// Of the image with this pointer and time.
+  /// Mammogram and Target are those of the image with this pointer and time.
   const vtkImageData* MammogramImage = nullptr;
   vtkMTimeType MammogramTime = 0;
   mammoray::Mammogram Mammogram;
@@ -246,7 +244,7 @@ bool vtkBreastRegistration::Internals::PrepareModel(RegistrationSetup setup, vtk
   }
   this->Problem = {};
   BreastInput breast{ .Materials = materials,
-    .Axes = AnatomicalAxes::FromCode(setup.Orientation),
+    .Axes = setup.Axes,
     .Anatomy = setup.Anatomy,
     .Mechanics = { .SimulationMesh = setup.Coarse, .Predicted = true },
     .Projector = MakeProjector({ .Device = setup.Device }),
@@ -263,7 +261,8 @@ bool vtkBreastRegistration::Internals::PrepareModel(RegistrationSetup setup, vtk
 vtkStandardNewMacro(vtkBreastRegistration);
 
 vtkBreastRegistration::vtkBreastRegistration()
-  : EdgeRadiusMm(SearchedEdgeRadiusMm)
+  : AnteriorMm(DefaultStart().AnteriorMm)
+  , EdgeRadiusMm(SearchedEdgeRadiusMm)
   , Internal(new Internals)
 {
   this->SetNumberOfInputPorts(3);
@@ -332,7 +331,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
   {
     const ProgressCallback progress = ProgressOf(this);
     // Everything that can be refused comes before anything is computed.
-    AnatomicalAxes::FromCode(this->Orientation);
+    const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     const mammoray::Spectrum spectrum =
       FindSpectrum(FileOrName(this->SpectrumFile, this->Spectrum));
     std::optional<ScatterModel> scatter = internal.ScatterOf(*this, spectrum);
@@ -342,7 +341,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
       throw InputError("expected a MaterialTable, found none");
     }
     internal.Prepare(vtkImageData::GetData(inputs[1]));
-    BreastPose start;
+    BreastPose start = DefaultStart();
     start.ThicknessMm = this->ThicknessMm > 0
       ? this->ThicknessMm
       : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
@@ -368,9 +367,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     view.Target = internal.Target;
     view.Levels = MakeLevels(view.Target, options.PixelSizesMm);
 
-    RegistrationSetup setup{ .Table = table,
-      .Orientation = this->Orientation,
-      .Device = this->DeviceName };
+    RegistrationSetup setup{ .Table = table, .Axes = axes, .Device = this->DeviceName };
     vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
     vtkImageData* labels = vtkImageData::GetData(inputs[0]);
     if (grid)

@@ -52,16 +52,11 @@ public:
   ///@{
   /**
    * Path of a material table (JSON), or the name of a shipped one. Required.
+   * MaterialTableFile, the path of a table, takes precedence; it serves interfaces that offer the
+   * shipped tables as a list, as ParaView does. Default empty.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
-   * shipped ones as a list, as ParaView does. Empty, the default: none.
-   */
   void SetMaterialTableFile(const char* path);
   vtkGetCharFromStdStringMacro(MaterialTableFile);
   ///@}
@@ -69,39 +64,27 @@ public:
   ///@{
   /**
    * Path of a spectrum (.spc) or the name of a shipped one. Default "W28kVp_Rh50um_Be1mm".
+   * SpectrumFile, the path of a spectrum, takes precedence as MaterialTableFile does.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a spectrum's file, which goes before Spectrum: for interfaces that offer the shipped
-   * ones as a list, as ParaView does. Empty, the default: none.
-   */
   void SetSpectrumFile(const char* path);
   vtkGetCharFromStdStringMacro(SpectrumFile);
   ///@}
 
   ///@{
   /**
-   * True where the picture that is compared has what breast tissue scatters, by the thickness along
-   * each ray (mammoray/XRay/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the
-   * detector, 0 to 200 mm. Defaults false, 17.
+   * Whether the synthetic picture contains the scatter of breast tissue, from the thickness along
+   * each ray (mammoray/XRay/Scatter/ScatterModel.h). AirGapMm is the distance from the back of the
+   * tissue to the detector, 0 to 200 mm. Grid is an anti-scatter grid of lead and fibre, focused on
+   * the source: ratio (0: no grid; else 1 to 30), lines per cm (5 to 200), thickness of the septa,
+   * micrometres. Defaults false, 17, (0, 31, 65).
    */
   vtkSetMacro(Scatter, bool);
   vtkGetMacro(Scatter, bool);
   vtkBooleanMacro(Scatter, bool);
   vtkSetMacro(AirGapMm, double);
   vtkGetMacro(AirGapMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Anti-scatter grid of lead and fibre, focused on the source, before the detector of a mammogram
-   * that is compared with Scatter: ratio (0: no grid, the default; else 1 to 30), lines per cm (5
-   * to 200), thickness of the septa, micrometres.
-   */
   vtkSetVector3Macro(Grid, double);
   vtkGetVector3Macro(Grid, double);
   ///@}
@@ -116,9 +99,9 @@ public:
 
   ///@{
   /**
-   * Names of the parameters that are found, with blanks between: thickness, roll, pitch, yaw,
+   * Names of the parameters that are estimated, separated by blanks: thickness, roll, pitch, yaw,
    * lateral, anterior, vertical, tilt, stiffness. Default "thickness roll pitch yaw lateral
-   * anterior tilt", as of 'mammoray register'.
+   * anterior tilt", as in 'mammoray register'.
    */
   void SetFreeParameters(const char* names);
   vtkGetCharFromStdStringMacro(FreeParameters);
@@ -126,25 +109,14 @@ public:
 
   ///@{
   /**
-   * Compressed thickness where the search begins, mm; 0: the mammogram's, else 50. Default 0.
+   * Where the search begins: compressed thickness, mm (0: the mammogram's, else 50); roll, degrees,
+   * added to the nominal roll of the mammogram's view (0 if it has none); distance of the
+   * receptor's edge from the chest wall, mm. Defaults 0, 0, 5.
    */
   vtkSetMacro(ThicknessMm, double);
   vtkGetMacro(ThicknessMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Added to the nominal roll of the mammogram's view (0 where it has none) for the start, degrees.
-   * Default 0.
-   */
   vtkSetMacro(RollDeg, double);
   vtkGetMacro(RollDeg, double);
-  ///@}
-
-  ///@{
-  /**
-   * Distance of the receptor's edge from the chest wall where the search begins, mm. Default 5.
-   */
   vtkSetMacro(AnteriorMm, double);
   vtkGetMacro(AnteriorMm, double);
   ///@}
@@ -159,9 +131,9 @@ public:
 
   ///@{
   /**
-   * Radius of the plates' chest-wall edges, mm, 0 to 100. Default 8, wider than a unit's, which
-   * is what a patient's mechanics can follow (mammoray/Registration/BreastModel.h); where the
-   * body or its cells are much smaller, take the unit's own 3.
+   * Radius of the plates' chest-wall edges, mm, 0 to 100. Default 8: a patient's mechanics cannot
+   * follow the sharper edges of a unit (mammoray/Registration/BreastModel.h). Use the unit's own 3
+   * if the body or its cells are much smaller.
    */
   vtkSetMacro(EdgeRadiusMm, double);
   vtkGetMacro(EdgeRadiusMm, double);
@@ -169,37 +141,31 @@ public:
 
   ///@{
   /**
-   * Pixels in which the pictures are compared, first coarse, then fine, mm. Positive; default (3,
-   * 1.5).
+   * Pixel sizes at which the pictures are compared, first coarse, then fine, mm, positive; and the
+   * largest number of iterations at each, 1 to 1000. Defaults (3, 1.5), 15.
    */
   vtkSetVector2Macro(PixelSizesMm, double);
   vtkGetVector2Macro(PixelSizesMm, double);
-  ///@}
-
-  ///@{
-  /**
-   * Most iterations at each pixel size. 1 to 1000; default 15.
-   */
   vtkSetClampMacro(MaximumIterations, int, 1, 1000);
   vtkGetMacro(MaximumIterations, int);
   ///@}
 
   ///@{
   /**
-   * Part of the wanted Vulkan device's name; empty takes the most capable one. Default empty.
+   * Part of the Vulkan device's name. Default empty: the most capable device.
    */
   void SetDeviceName(const char* name);
   vtkGetCharFromStdStringMacro(DeviceName);
   ///@}
 
   /**
-   * How often a mesh was made and a simulation was set up since the filter was made.
+   * Number of times that the filter has made meshes and simulation.
    */
   vtkGetMacro(NumberOfSetups, int);
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
+   * Accepts implausible values (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);
@@ -230,7 +196,7 @@ private:
   std::string FreeParameters;
   double ThicknessMm = 0;
   double RollDeg = 0;
-  double AnteriorMm = 5;
+  double AnteriorMm;
   double SourceToDetectorMm = 0;
   double EdgeRadiusMm;
   double PixelSizesMm[2] = { 3, 1.5 };

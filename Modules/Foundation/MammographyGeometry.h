@@ -29,6 +29,8 @@ struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
   /// Converts three letters of L/R, A/P, S/I for the directions of +x, +y and +z: "LPS" (DICOM, the
   /// default), "RAS", or "ALS" for the FDA phantoms. Throws InputError on anything else.
   static AnatomicalAxes FromCode(const std::string& code);
+
+  bool operator==(const AnatomicalAxes&) const = default;
 };
 
 /// Dimensions of the mammography unit, from the DICOM header or its construction; mm.

@@ -61,6 +61,16 @@ std::vector<std::string> FreePoseParameterNames()
   return names;
 }
 
+BreastPose DefaultStart()
+{
+  BreastPose start;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    start.*parameter.Value = parameter.Start;
+  }
+  return start;
+}
+
 std::vector<double> ValuesOf(const BreastPose& pose)
 {
   std::vector<double> values;

@@ -99,6 +99,10 @@ MAMMORAYFOUNDATION_EXPORT std::string PoseParameterNames(const std::string& sepa
 /// The names of the parameters that a registration estimates by default.
 MAMMORAYFOUNDATION_EXPORT std::vector<std::string> FreePoseParameterNames();
 
+/// The pose at which a registration begins without other information: each parameter at its Start.
+/// It differs from BreastPose(), whose receptor touches the chest wall.
+MAMMORAYFOUNDATION_EXPORT BreastPose DefaultStart();
+
 ///@{
 /// Converts a pose to ParameterCount values in the order of PoseParameters, and back.
 MAMMORAYFOUNDATION_EXPORT std::vector<double> ValuesOf(const BreastPose& pose);

@@ -205,16 +205,13 @@ std::size_t MostSimulationCells(ElementType element)
   return element == ElementType::Quadratic ? 20000 : 150000;
 }
 
-TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials, const std::vector<bool>& fixed,
-  double cellSizeMm, const ProgressCallback& progress)
+TetrahedralMesh MakeSimulationMesh([[maybe_unused]] const LabelVolume& materials,
+  [[maybe_unused]] const std::vector<bool>& fixed, [[maybe_unused]] double cellSizeMm,
+  [[maybe_unused]] const ProgressCallback& progress)
 {
 #ifdef MAMMORAY_HAS_MESHING
   return MeshForSimulation(materials, fixed, cellSizeMm, progress).Mesh;
 #else
-  (void)materials;
-  (void)fixed;
-  (void)cellSizeMm;
-  (void)progress;
   throw InputError("this build has no Meshing module to make a mesh for the simulation; expected "
                    "one made elsewhere, or an anatomy of at most " +
     std::to_string(MostSimulationCells(ElementType::Quadratic)) + " cells");
@@ -225,7 +222,6 @@ void AddColdStartPredictor(CompressionSimulation& simulation, const TetrahedralM
   const ElasticTable& materials, const CompressionOptions& options,
   const ProgressCallback& progress)
 {
-#ifdef MAMMORAY_HAS_MESHING
   if (options.Element == ElementType::Quadratic ||
     mesh.NumberOfCells() <= MostCellsWithoutPredictor)
   {
@@ -242,15 +238,8 @@ void AddColdStartPredictor(CompressionSimulation& simulation, const TetrahedralM
   }
   catch (const InputError&)
   {
-    // A body too small or too large for such voxels: it goes its way alone.
+    // The body is too small or too large for such voxels, or nothing can mesh it.
   }
-#else
-  (void)simulation;
-  (void)mesh;
-  (void)materials;
-  (void)options;
-  (void)progress;
-#endif
 }
 
 /// The cells to simulate on and where their stiffness comes from.

@@ -153,7 +153,7 @@ public:
     this->State.CollectFreeParameters();
     const bool chooses =
       !this->State.FreeParameters.empty() && this->State.Views.front().Input->From.empty();
-    if (chooses && this->HasPredictors() && this->ByPredictor())
+    if (chooses && this->State.Views.front().Model->Predictor() && this->ByPredictor())
     {
       return;
     }
@@ -167,7 +167,7 @@ public:
       }
     }
     this->State.CollectFreeParameters(); // a start may have been opened
-    this->Levels(this->Bodies(), 0, this->Options.PixelSizesMm.size(), StartEnds);
+    this->Levels(false, 0, this->Options.PixelSizesMm.size(), StartEnds);
   }
 
   /// What Run has found.
@@ -187,22 +187,6 @@ public:
   }
 
 private:
-  bool HasPredictors() const
-  {
-    return std::all_of(this->State.Views.begin(), this->State.Views.end(),
-      [](const ViewSearch& view) { return view.PredictedBreast().Body != nullptr; });
-  }
-
-  std::vector<SearchedBreast> Bodies() const
-  {
-    std::vector<SearchedBreast> bodies;
-    for (const ViewSearch& view : this->State.Views)
-    {
-      bodies.push_back(view.Breast());
-    }
-    return bodies;
-  }
-
   /**
    * The starts are chosen, and all resolutions but the finest are searched, with the predictor;
    * then the finest with the simulation itself. False, with the values as they were, where either
@@ -214,34 +198,31 @@ private:
     const std::size_t finest = this->Options.PixelSizesMm.size() - 1;
     try
     {
-      std::vector<SearchedBreast> predictors;
       for (ViewSearch& view : this->State.Views)
       {
         starts.push_back(view.Result.Values);
-        predictors.push_back(view.PredictedBreast());
         const ProgressCallback progress = this->OfView(view, 0, StartEnds);
         view.Current =
-          CompressForStart(predictors.back(), view.Result.Values, nullptr, view.Result, progress);
-        this->Choose(predictors.back(), view, progress);
+          CompressForStart(view.Breast(true), view.Result.Values, nullptr, view.Result, progress);
+        this->Choose(view.Breast(true), view, progress);
       }
       const bool goesOn =
-        this->Levels(predictors, 0, finest, StartEnds, CoarseEnds) && !this->EndsHopeless();
+        this->Levels(true, 0, finest, StartEnds, CoarseEnds) && !this->EndsHopeless();
       // An end takes effect once the simulation itself has been where the predictor got to.
-      for (std::size_t number = 0; number < predictors.size(); ++number)
+      for (ViewSearch& view : this->State.Views)
       {
-        ViewSearch& view = this->State.Views[number];
         const ProgressCallback progress = this->OfView(view, CoarseEnds, AdoptedEnds);
         if (goesOn)
         {
           // A cold start of the simulation itself would double the time of a search.
-          ChooseEquilibrium(predictors[number], view.Input->Levels.back(),
+          ChooseEquilibrium(view.Breast(true), view.Input->Levels.back(),
             this->ComparedBy(this->FirstComparison()), view, progress);
         }
         AdoptPredicted(view, goesOn ? progress : ProgressCallback());
       }
       if (goesOn)
       {
-        this->Levels(this->Bodies(), finest, finest + 1, AdoptedEnds);
+        this->Levels(false, finest, finest + 1, AdoptedEnds);
       }
       return true;
     }
@@ -261,7 +242,7 @@ private:
     double apart = 0;
     for (ViewSearch& view : this->State.Views)
     {
-      apart = std::fmax(apart, this->AgreementOf(view).MeanOutlineDistanceMm);
+      apart = std::fmax(apart, this->SimilarityOf(view).MeanOutlineDistanceMm);
     }
     if (!(apart > HopelessOutlineMm))
     {
@@ -295,7 +276,7 @@ private:
   }
 
   /// At the finest resolution.
-  Similarity AgreementOf(ViewSearch& view) const
+  Similarity SimilarityOf(ViewSearch& view) const
   {
     const RegistrationTarget& finest = view.Input->Levels.back();
     return Compare(
@@ -319,8 +300,8 @@ private:
   }
 
   /// Evaluators where the search stands, with the prior of a shared parameter counted once.
-  std::vector<std::unique_ptr<ViewEvaluator>> Evaluators(const std::vector<SearchedBreast>& breasts,
-    std::size_t level, PictureComparison comparison, const ProgressCallback& progress) const
+  std::vector<std::unique_ptr<ViewEvaluator>> Evaluators(bool predicted, std::size_t level,
+    PictureComparison comparison, const ProgressCallback& progress) const
   {
     const RegistrationOptions options = this->ComparedBy(comparison);
     std::vector<std::unique_ptr<ViewEvaluator>> evaluators;
@@ -340,7 +321,7 @@ private:
           parameters[index].PriorSigma = 0;
         }
       }
-      evaluators.push_back(std::make_unique<ViewEvaluator>(breasts[number],
+      evaluators.push_back(std::make_unique<ViewEvaluator>(view.Breast(predicted),
         RegistrationResiduals(std::move(projections), std::move(parameters), options),
         view.Result.Values, view.Current, progress));
     }
@@ -348,29 +329,27 @@ private:
   }
 
   /// Searches resolutions from `first` to before `last`; false when stopped by the user.
-  bool Levels(const std::vector<SearchedBreast>& breasts, std::size_t first, std::size_t last,
-    double from, double to = 1)
+  bool Levels(bool predicted, std::size_t first, std::size_t last, double from, double to = 1)
   {
     const bool refines = this->Options.Comparison != this->FirstComparison();
     const std::size_t searches =
       last - first + (refines && last == this->Options.PixelSizesMm.size() ? 1 : 0);
     const ProgressCallback progress = Counted(this->Progress, from, to,
-      EquilibriaOfLevel * static_cast<double>(searches * breasts.size()));
-    const bool predicted = breasts.front().Body == breasts.front().Model->Predictor();
+      EquilibriaOfLevel * static_cast<double>(searches * this->State.Views.size()));
     for (std::size_t number = first; number < last && !this->State.FreeParameters.empty(); ++number)
     {
       const double pixelSizeMm = this->Options.PixelSizesMm[number];
       const bool finest = pixelSizeMm == this->Options.PixelSizesMm.back();
       const bool refined = finest && refines;
       LevelEnd end =
-        SearchLevel(this->Evaluators(breasts, number, this->FirstComparison(), progress),
+        SearchLevel(this->Evaluators(predicted, number, this->FirstComparison(), progress),
           { pixelSizeMm, this->FirstComparison(),
             predicted || refined ? NegligibleFallOnTheWay : NegligibleFall,
             this->Options.MaximumIterations, finest && !refined },
           this->State, progress);
       if (end == LevelEnd::Reached && refined)
       {
-        end = this->Refine(breasts, progress);
+        end = this->Refine(progress);
       }
       if (end != LevelEnd::Reached)
       {
@@ -386,13 +365,13 @@ private:
    * the model has elsewhere than the breast mislead gradients more: what they find is taken where
    * tissue can tell that it is no worse.
    */
-  LevelEnd Refine(const std::vector<SearchedBreast>& breasts, const ProgressCallback& progress)
+  LevelEnd Refine(const ProgressCallback& progress)
   {
     const double pixelSizeMm = this->Options.PixelSizesMm.back();
     const auto search = [&](PictureComparison comparison)
     {
       return SearchLevel(
-        this->Evaluators(breasts, this->Options.PixelSizesMm.size() - 1, comparison, progress),
+        this->Evaluators(false, this->Options.PixelSizesMm.size() - 1, comparison, progress),
         { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true,
           comparison != this->FirstComparison() },
         this->State, progress);
@@ -429,7 +408,7 @@ private:
     double sum = 0;
     for (ViewSearch& view : this->State.Views)
     {
-      sum += this->AgreementOf(view).TissueCorrelation;
+      sum += this->SimilarityOf(view).TissueCorrelation;
     }
     return sum / static_cast<double>(this->State.Views.size());
   }

@@ -15,22 +15,19 @@ namespace mammoray
 {
 namespace
 {
-#ifdef MAMMORAY_HAS_MESHING
-TetrahedralMesh MeshAnatomy(const LabelVolume& labels, const std::vector<int>& thin,
-  double cellSizeMm, const ProgressCallback& progress)
+TetrahedralMesh MeshAnatomy([[maybe_unused]] const LabelVolume& labels,
+  [[maybe_unused]] const std::vector<int>& thin, [[maybe_unused]] double cellSizeMm,
+  [[maybe_unused]] const ProgressCallback& progress)
 {
+#ifdef MAMMORAY_HAS_MESHING
   MeshingOptions options = MeshingOptions::Anatomy(thin);
   options.CellSizeMm = cellSizeMm;
   return MeshMaterials(labels, options, progress).Mesh;
-}
 #else
-TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
-  const ProgressCallback&)
-{
   throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
                    "simulation mesh made elsewhere");
-}
 #endif
+}
 
 void ValidateParameters(const std::vector<RegistrationParameter>& parameters)
 {

@@ -94,8 +94,11 @@ FineBreast OutlineBreast(const PixelGrid& grid, BreastContrast& contrast,
   breast.Mask = breast.Seen;
   FillDarkFrame(breast.Grid, breast.Mask);
   breast.Mask = WithoutThinParts(breast.Grid, std::move(breast.Mask), options.ThinnestFeatureMm);
-  KeepLargestPiece(breast.Grid, breast.Mask);
-  FillHoles(breast.Grid, breast.Mask);
+  if (!KeepLargestPiece(breast.Grid.Shape(), breast.Mask))
+  {
+    throw InputError("mammogram: expected a breast, found nothing brighter than the air");
+  }
+  FillHoles(breast.Grid.Shape(), breast.Mask);
   return breast;
 }
 

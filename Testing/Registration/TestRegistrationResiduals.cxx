@@ -328,10 +328,9 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
 
 TEST(DefaultParameters, StartWithinTheirBounds)
 {
-  BreastPose start;
+  BreastPose start = DefaultStart();
   start.ThicknessMm = 62;
   start.RollDeg = 45;
-  start.AnteriorMm = 5;
   const auto parameters = DefaultParameters(start);
   ASSERT_EQ(parameters.size(), std::size_t{ ParameterCount });
   for (const RegistrationParameter& parameter : parameters)

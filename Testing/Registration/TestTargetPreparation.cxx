@@ -558,3 +558,16 @@ TEST(TargetPreparation, BothKindsOfOneMammogramAgree)
   EXPECT_EQ(shown.LogAttenuation, raw.LogAttenuation); // inverted, logarithmic by its header
   EXPECT_THAT(raw.Warnings, Contains(HasSubstr("logarithmic")));
 }
+
+TEST(TargetPreparation, ThinPartsAreNoBreast)
+{
+  Mammogram bars = Lens();
+  for (std::size_t pixel = 0; pixel < bars.Pixels.size(); ++pixel)
+  {
+    // Bars of 1 mm, half of TargetOptions::ThinnestFeatureMm.
+    const std::size_t place = pixel % Columns % 100;
+    bars.Pixels[pixel] = place >= 50 && place < 55 ? 1000.0F : 10000.0F;
+  }
+  EXPECT_THAT(test::RefusalOf([&] { PrepareTarget(bars); }),
+    HasSubstr("nothing brighter than the air"));
+}

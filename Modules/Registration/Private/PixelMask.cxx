@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/PixelMask.h"
 
-#include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Raster.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -39,8 +36,7 @@ const char* NameOf(Side side)
 // minute for 14 million of them.
 std::vector<float> DistanceToClear(const PixelGrid& grid, const PixelMask& mask)
 {
-  return DistanceToSet(RasterShape(grid.Columns, grid.Rows),
-    { grid.ColumnSpacing, grid.RowSpacing, 1 }, Complement(mask));
+  return DistanceToSet(grid.Shape(), { grid.ColumnSpacing, grid.RowSpacing, 1 }, Complement(mask));
 }
 
 std::vector<float> SignedDistance(const PixelGrid& grid, const PixelMask& mask)
@@ -136,18 +132,5 @@ PixelMask WithoutThinParts(const PixelGrid& grid, PixelMask mask, double thinnes
     mask[i] = mask[i] && toCore[i] <= 2 * radius ? 1 : 0;
   }
   return mask;
-}
-
-void KeepLargestPiece(const PixelGrid& grid, PixelMask& mask)
-{
-  if (!KeepLargestPiece(RasterShape(grid.Columns, grid.Rows), mask))
-  {
-    throw InputError("mammogram: expected a breast, found nothing brighter than the air");
-  }
-}
-
-void FillHoles(const PixelGrid& grid, PixelMask& mask)
-{
-  FillHoles(RasterShape(grid.Columns, grid.Rows), mask);
 }
 }

@@ -2,6 +2,7 @@
 #ifndef mammoray_PixelMask_h
 #define mammoray_PixelMask_h
 
+#include "mammoray/Foundation/Raster.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>
@@ -34,6 +35,7 @@ struct PixelGrid
   {
     return static_cast<std::size_t>(this->Columns) * static_cast<std::size_t>(this->Rows);
   }
+  RasterShape Shape() const { return { this->Columns, this->Rows }; }
   std::size_t Index(int column, int row) const
   {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(this->Columns) +
@@ -68,12 +70,6 @@ MAMMORAYREGISTRATION_EXPORT void FillDarkFrame(const PixelGrid& grid, PixelMask&
 /// What is thicker than `thinnest` mm, with everything of the mask near it.
 MAMMORAYREGISTRATION_EXPORT PixelMask WithoutThinParts(const PixelGrid& grid, PixelMask mask,
   double thinnest);
-
-/// Keeps the largest of the pieces whose pixels share edges. Throws InputError on an empty mask.
-MAMMORAYREGISTRATION_EXPORT void KeepLargestPiece(const PixelGrid& grid, PixelMask& mask);
-
-/// Clear pieces that touch no side of the picture become part of the mask.
-MAMMORAYREGISTRATION_EXPORT void FillHoles(const PixelGrid& grid, PixelMask& mask);
 }
 
 #endif

@@ -19,7 +19,7 @@ bool IsOf(const FreeParameter& parameter, std::size_t view)
   return std::find(parameter.Views.begin(), parameter.Views.end(), view) != parameter.Views.end();
 }
 
-/// Parameters that are held, but not known: those with a prior, a shared one once.
+/// Parameters that are fixed but uncertain: those with a prior, a shared one once.
 std::vector<FreeParameter> Considered(const SearchState& search)
 {
   std::vector<FreeParameter> considered;
@@ -252,37 +252,33 @@ Eigen::MatrixXd ConsiderCovariance(RegistrationEvaluator& evaluator,
 {
   const Eigen::MatrixXd shift = ShiftOf(compared, estimate, ColumnsOf(evaluator, considered));
   const Eigen::Index count = shift.rows();
-  const Eigen::Index held = shift.cols();
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(count + held, count + held);
+  const Eigen::Index fixed = shift.cols();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(count + fixed, count + fixed);
   covariance.topLeftCorner(count, count) = estimate.Covariance + shift * shift.transpose();
-  covariance.topRightCorner(count, held) = shift;
-  covariance.bottomLeftCorner(held, count) = shift.transpose();
+  covariance.topRightCorner(count, fixed) = shift;
+  covariance.bottomLeftCorner(fixed, count) = shift.transpose();
   return covariance;
 }
 
-void KeepConsidered(RegistrationEvaluator& evaluator, const ResidualGroups& compared,
-  const WeightedEstimate& estimate, SearchState& search)
+/// The part of a covariance of parameters, in units of their scales, that belongs to a view: of all
+/// ParameterCount, in their own units, 0 for those without one.
+std::vector<double> PartOf(const Eigen::MatrixXd& covariance,
+  const std::vector<FreeParameter>& parameters, std::size_t view)
 {
-  const std::vector<FreeParameter> considered = Considered(search);
-  const Eigen::MatrixXd covariance = ConsiderCovariance(evaluator, considered, compared, estimate);
-  std::vector<FreeParameter> all = evaluator.FreeParameters;
-  all.insert(all.end(), considered.begin(), considered.end());
-  for (std::size_t view = 0; view < search.Views.size(); ++view)
+  std::vector<double> part(std::size_t{ ParameterCount } * ParameterCount, 0.0);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
   {
-    std::vector<double>& kept = search.Views[view].Result.ConsideredCovariance;
-    kept.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
-    for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; IsOf(parameters[i], view) && j < parameters.size(); ++j)
     {
-      for (std::size_t j = 0; IsOf(all[i], view) && j < all.size(); ++j)
+      if (IsOf(parameters[j], view))
       {
-        if (IsOf(all[j], view))
-        {
-          kept[all[i].Parameter * ParameterCount + all[j].Parameter] = all[i].Scale * all[j].Scale *
-            covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-        }
+        part[parameters[i].Parameter * ParameterCount + parameters[j].Parameter] =
+          parameters[i].Scale * parameters[j].Scale *
+          covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       }
     }
   }
+  return part;
 }
 
 /// Groups are in pairs, outline and picture; of a mammogram that of Target comes first.
@@ -296,32 +292,6 @@ void KeepMisfit(const ResidualGroups& compared, std::size_t view, RegistrationMi
   misfit.PictureScaleMm = std::sqrt(compared.Variances.Correlated[first + 1]);
 }
 
-/// The parts of the covariance that belong to each view.
-void KeepParts(const std::vector<FreeParameter>& unknowns, SearchState& search)
-{
-  const std::size_t n = unknowns.size();
-  for (std::size_t view = 0; view < search.Views.size(); ++view)
-  {
-    ViewResult& result = search.Views[view].Result;
-    result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      if (!IsOf(unknowns[i], view))
-      {
-        continue;
-      }
-      for (std::size_t j = 0; j < n; ++j)
-      {
-        if (IsOf(unknowns[j], view))
-        {
-          result.Covariance[unknowns[i].Parameter * ParameterCount + unknowns[j].Parameter] =
-            search.Covariance[i * n + j];
-        }
-      }
-      result.StandardDeviations[unknowns[i].Parameter] = std::sqrt(search.Covariance[i * (n + 1)]);
-    }
-  }
-}
 }
 
 Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator, const ResidualGroups& compared)
@@ -363,7 +333,23 @@ void KeepCovariance(RegistrationEvaluator& evaluator, SearchState& search)
         estimate.Covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
     }
   }
-  KeepParts(unknowns, search);
-  KeepConsidered(evaluator, compared, estimate, search);
+  const std::vector<FreeParameter> considered = Considered(search);
+  const Eigen::MatrixXd extended = ConsiderCovariance(evaluator, considered, compared, estimate);
+  std::vector<FreeParameter> all = unknowns;
+  all.insert(all.end(), considered.begin(), considered.end());
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
+  {
+    ViewResult& result = search.Views[view].Result;
+    result.Covariance = PartOf(estimate.Covariance, unknowns, view);
+    result.ConsideredCovariance = PartOf(extended, all, view);
+    for (const FreeParameter& parameter : unknowns)
+    {
+      if (IsOf(parameter, view))
+      {
+        result.StandardDeviations[parameter.Parameter] =
+          std::sqrt(result.Covariance[parameter.Parameter * (ParameterCount + 1)]);
+      }
+    }
+  }
 }
 }

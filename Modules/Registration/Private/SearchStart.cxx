@@ -273,19 +273,9 @@ std::shared_ptr<PosedBreast> CompressForStart(const SearchedBreast& breast,
     near = nullptr;
   }
   ++result.Evaluations;
-  const auto begin = Clock::now();
-  try
-  {
-    CompressionState state =
-      breast.Body->Compress(breast.Placement, pose, near ? &near->State() : nullptr, progress);
-    result.MechanicsSeconds += SecondsSince(begin);
-    return breast.At(values, std::move(state));
-  }
-  catch (const ConvergenceError&)
-  {
-    result.MechanicsSeconds += SecondsSince(begin);
-    throw;
-  }
+  const ScopeTimer timer(result.MechanicsSeconds);
+  return breast.At(values,
+    breast.Body->Compress(breast.Placement, pose, near ? &near->State() : nullptr, progress));
 }
 
 void AdoptPredicted(ViewSearch& search, const ProgressCallback& progress)
@@ -293,11 +283,10 @@ void AdoptPredicted(ViewSearch& search, const ProgressCallback& progress)
   const SearchedBreast breast = search.Breast();
   const std::vector<double>& values = search.Result.Values;
   ++search.Result.Evaluations;
-  const auto begin = Clock::now();
+  const ScopeTimer timer(search.Result.MechanicsSeconds);
   search.Current = breast.At(values,
-    breast.Body->Adopt(*search.PredictedBreast().Body, search.Current->State(),
+    breast.Body->Adopt(*search.Model->Predictor(), search.Current->State(),
       PoseOf(values).Stiffness, progress));
-  search.Result.MechanicsSeconds += SecondsSince(begin);
 }
 
 void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,

@@ -21,11 +21,11 @@ struct ViewSearch
   /// The breast at Result.Values, or, where it is moved to its outline, at a pose near them.
   std::shared_ptr<PosedBreast> Current;
 
-  /// The breast that is found, and the one of the predictor, whose Body may be null.
-  SearchedBreast Breast() const { return { this->Model, &this->Model->Body(), this->Placement }; }
-  SearchedBreast PredictedBreast() const
+  /// The breast with the model's body, or with its predictor.
+  SearchedBreast Breast(bool predicted = false) const
   {
-    return { this->Model, this->Model->Predictor(), this->Placement };
+    return { this->Model, predicted ? this->Model->Predictor() : &this->Model->Body(),
+      this->Placement };
   }
 };
 

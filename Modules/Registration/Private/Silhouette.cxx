@@ -12,7 +12,7 @@ namespace
 /// An edge whose cross product with the direction is smaller, mm, lies along the ray.
 constexpr double AlongTheRay = 1e-12;
 
-double Cross(const ReceptorPoint& a, const ReceptorPoint& b)
+double CrossInPlane(const ReceptorPoint& a, const ReceptorPoint& b)
 {
   return a[0] * b[1] - a[1] * b[0];
 }
@@ -77,9 +77,9 @@ std::vector<double> SilhouetteRadii(const std::vector<ReceptorPoint>& projected,
     {
       // centre + r d = a + s (b - a)  =>  r = (a x along) / (d x along), with a relative to centre.
       const ReceptorPoint& direction = directions[at->second];
-      const double denominator = Cross(direction, along);
+      const double denominator = CrossInPlane(direction, along);
       const double radius = std::abs(denominator) > AlongTheRay
-        ? Cross(a, along) / denominator
+        ? CrossInPlane(a, along) / denominator
         : std::max(std::hypot(a[0], a[1]), std::hypot(b[0], b[1]));
       if (radius > radii[at->second])
       {
@@ -140,12 +140,12 @@ std::vector<double> SilhouetteDerivatives(const std::vector<ReceptorPoint>& proj
     const ReceptorPoint& da = velocities[first];
     const ReceptorPoint& db = velocities[second];
     // radius = (a x b) / (d x (b - a))
-    const double denominator = Cross(directions[index], { b[0] - a[0], b[1] - a[1] });
+    const double denominator = CrossInPlane(directions[index], { b[0] - a[0], b[1] - a[1] });
     if (std::abs(denominator) > AlongTheRay)
     {
-      const double radius = Cross(a, b) / denominator;
-      rates[index] = (Cross(da, b) + Cross(a, db) -
-                       radius * Cross(directions[index], { db[0] - da[0], db[1] - da[1] })) /
+      const double radius = CrossInPlane(a, b) / denominator;
+      rates[index] = (CrossInPlane(da, b) + CrossInPlane(a, db) -
+                       radius * CrossInPlane(directions[index], { db[0] - da[0], db[1] - da[1] })) /
         denominator;
     }
     else

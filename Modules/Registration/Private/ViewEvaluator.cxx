@@ -47,7 +47,7 @@ ViewEvaluator::Answer ViewEvaluator::Compress()
   {
     return Answer::Refused; // costs nothing, and Ceres shortens its step or gives up
   }
-  const auto begin = Clock::now();
+  const ScopeTimer timer(this->MechanicsSeconds);
   try
   {
     this->Current = this->Breast.At(this->Values,
@@ -55,7 +55,6 @@ ViewEvaluator::Answer ViewEvaluator::Compress()
         travelMm > LongestWarmTravelMm ? nullptr : &near, this->Progress));
     this->CurrentValues = this->Values;
     ++this->Evaluations;
-    this->MechanicsSeconds += SecondsSince(begin);
     this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
     return Answer::Found;
   }
@@ -66,7 +65,6 @@ ViewEvaluator::Answer ViewEvaluator::Compress()
   catch (const ConvergenceError&)
   {
     ++this->Evaluations;
-    this->MechanicsSeconds += SecondsSince(begin);
     this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
     return Answer::NoEquilibrium; // Ceres shortens its step
   }
@@ -74,19 +72,17 @@ ViewEvaluator::Answer ViewEvaluator::Compress()
 
 void ViewEvaluator::AppendResiduals(std::vector<double>& residuals)
 {
-  const auto begin = Clock::now();
+  const ScopeTimer timer(this->ProjectionSeconds);
   const int before = this->Current->NumberOfProjections();
   this->Compared.Append(*this->Current, residuals);
-  this->ProjectionSeconds += SecondsSince(begin);
   this->Projections += this->Current->NumberOfProjections() - before;
 }
 
 RegistrationResiduals::Jacobian ViewEvaluator::Differentiate(const std::vector<int>& wanted)
 {
-  const auto begin = Clock::now();
+  const ScopeTimer timer(this->JacobianSeconds);
   const int before = this->Current->NumberOfProjections();
   RegistrationResiduals::Jacobian jacobian = this->Compared.Differentiate(*this->Current, wanted);
-  this->JacobianSeconds += SecondsSince(begin);
   this->Projections += this->Current->NumberOfProjections() - before;
   return jacobian;
 }
@@ -99,41 +95,29 @@ void ViewEvaluator::ReturnTo(const std::vector<double>& values, std::shared_ptr<
   this->Accept();
 }
 
-std::shared_ptr<PosedBreast> ViewEvaluator::CompressBeside(const SearchedBreast& breast,
-  const std::vector<double>& values) const
-{
-  return breast.At(values,
-    breast.Body->Compress(breast.Placement, PoseOf(values), &this->Current->State(),
-      this->Progress));
-}
-
 std::vector<double> ViewEvaluator::WithEdges(double radiusMm)
 {
   SearchedBreast breast = this->Breast;
   breast.Placement.Unit.EdgeRadiusMm = radiusMm;
-  const auto begin = Clock::now();
   ++this->Evaluations;
   std::shared_ptr<PosedBreast> state;
   try
   {
-    state = this->CompressBeside(breast, this->Values);
+    const ScopeTimer timer(this->MechanicsSeconds);
+    state = breast.At(this->Values,
+      breast.Body->Compress(breast.Placement, PoseOf(this->Values), &this->Current->State(),
+        this->Progress));
   }
   catch (const Interrupted&)
   {
-    // What has been found so far stays.
+    return {}; // the result so far stays valid
   }
   catch (const ConvergenceError&)
   {
-    // Sharper edges can stop the elements.
+    return {}; // sharper edges can stop the elements
   }
-  this->MechanicsSeconds += SecondsSince(begin);
-  if (!state)
-  {
-    return {};
-  }
-  const auto compressed = Clock::now();
+  const ScopeTimer timer(this->ProjectionSeconds);
   std::vector<double> residuals = this->Compared.Evaluate(*state);
-  this->ProjectionSeconds += SecondsSince(compressed);
   this->Projections += state->NumberOfProjections();
   return residuals;
 }

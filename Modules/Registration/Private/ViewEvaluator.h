@@ -19,6 +19,23 @@ inline double SecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+/// Adds the time that a scope takes to a sum, s.
+class ScopeTimer
+{
+public:
+  explicit ScopeTimer(double& seconds)
+    : Seconds(seconds)
+  {
+  }
+  ScopeTimer(const ScopeTimer&) = delete;
+  ScopeTimer& operator=(const ScopeTimer&) = delete;
+  ~ScopeTimer() { this->Seconds += SecondsSince(this->Begin); }
+
+private:
+  double& Seconds;
+  Clock::time_point Begin = Clock::now();
+};
+
 /// If the plates travel farther than this, a cold start is cheaper than starting from another
 /// state, mm.
 inline constexpr double LongestWarmTravelMm = 8;
@@ -83,11 +100,6 @@ public:
   double JacobianSeconds = 0;
 
 private:
-  /// The equilibrium of `breast` at these values, from Current. Throws ConvergenceError,
-  /// Interrupted.
-  std::shared_ptr<PosedBreast> CompressBeside(const SearchedBreast& breast,
-    const std::vector<double>& values) const;
-
   const ProgressCallback& Progress;
   std::shared_ptr<PosedBreast> Accepted;
   /// A longer travel of the plates is refused without an attempt: half of the last that failed,

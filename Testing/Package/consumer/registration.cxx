@@ -37,8 +37,7 @@ int main()
   problem.Options.PixelSizesMm = { 3 };
   problem.Options.RollOffsetsDeg.clear();
 
-  BreastPose start;
-  start.AnteriorMm = 5; // the receptor's edge stays clear of the chest wall
+  BreastPose start = DefaultStart();
   start.ThicknessMm = mammogram.BodyPartThicknessMm.value();
   View view;
   view.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
