@@ -22,6 +22,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -125,6 +126,8 @@ nlohmann::json ViewsJson(const StudyTruth& truth, const std::string& resultFolde
   for (const ResultFile& result : ReadResultFiles(resultFolder))
   {
     const BreastInUnit breast = ReadBreastInUnit(result);
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    const ExpectedError expected = result.Expected.value_or(ExpectedError{ unknown, unknown });
     const AnswerScore score = ScoreResult(truth, result, breast);
     const PointCoverage coverage = CoverageOf(truth, *truth.FindView(score.View), breast);
     views.push_back({ { "view", score.View }, { "imaged", ErrorsJson(score.Imaged) },
@@ -133,9 +136,8 @@ nlohmann::json ViewsJson(const StudyTruth& truth, const std::string& resultFolde
       { "meanOutlineDistanceMm", result.After.MeanOutlineDistanceMm },
       { "correlation", result.After.Correlation },
       { "tissueCorrelation", result.After.TissueCorrelation },
-      { "expectedMedianMm", result.Expected.MedianMm },
-      { "expected95Mm", result.Expected.Most95Mm }, { "trust", NameOf(result.Trust.Level) },
-      { "reasons", result.Trust.Reasons } });
+      { "expectedMedianMm", expected.MedianMm }, { "expected95Mm", expected.Most95Mm },
+      { "trust", NameOf(result.Trust.Level) }, { "reasons", result.Trust.Reasons } });
   }
   return views;
 }

@@ -107,16 +107,11 @@ struct ExpectedError
   double Most95Mm = 0;
 };
 
-/// What a registration found of one view.
-struct ViewResult
+/// The result of one view as far as result files keep it.
+struct ViewFigures
 {
   BreastPose Pose;
-  /// The given parameters. Bounds and start differ from them only where Warnings say so.
-  std::vector<RegistrationParameter> Parameters;
-  std::vector<double> Values;
   RegistrationMisfit Misfit;
-  /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
-  std::vector<double> StandardDeviations;
   /// Covariance of all parameters at the solution, Covariance[i * parameterCount + j], in their
   /// units; 0 for fixed ones. Empty if unknown.
   std::vector<double> Covariance;
@@ -126,9 +121,31 @@ struct ViewResult
    */
   std::vector<double> ConsideredCovariance;
   std::vector<RegistrationIteration> Iterations;
-  CompressionState State;
   /// Where the unit stands.
   VolumeFromGantry Placed;
+  /// At the end, on the target's own grid.
+  Similarity After;
+  bool Converged = false;
+  std::string StopReason;
+  /// Error of tissue between the plates, provided that picture and volume are of one breast;
+  /// nothing without a covariance.
+  std::optional<ExpectedError> Expected;
+  Assessment Trust;
+  /// Equilibria solved by the search.
+  int Evaluations = 0;
+  /// Whole search, s.
+  double Seconds = 0;
+};
+
+/// The result of one view.
+struct ViewResult : ViewFigures
+{
+  /// The given parameters. Bounds and start differ from them only where Warnings say so.
+  std::vector<RegistrationParameter> Parameters;
+  std::vector<double> Values;
+  /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
+  std::vector<double> StandardDeviations;
+  CompressionState State;
   /// Points of the model's anatomy between the plates, 3 x pointCount, volume frame, mm.
   std::vector<double> Points;
   /// Derivatives of Points with each parameter, seen from the unit, mm per mm or degree; empty for
@@ -143,30 +160,19 @@ struct ViewResult
    * start has no equilibrium or was not made.
    */
   double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
-  /// At the end, on the target's own grid.
-  Similarity After;
-  /// The same of each further projection of a tomosynthesis, at the end.
+  /// Similarity of each further projection of a tomosynthesis, at the end.
   std::vector<Similarity> ProjectionsAfter;
-  bool Converged = false;
-  std::string StopReason;
   /// Notes on the search for the user, a sentence each.
   std::vector<std::string> Warnings;
   /// RegistrationTarget::HeaderThicknessMm and Disagreements.
   std::optional<double> HeaderThicknessMm;
   std::vector<std::string> Disagreements;
-  /// Of tissue between the plates, provided that picture and volume are of one breast; nothing
-  /// without a covariance.
-  std::optional<ExpectedError> Expected;
-  Assessment Trust;
-  /// Equilibria solved and pictures compared by the search, and the time each took, s.
-  int Evaluations = 0;
+  /// Pictures compared by the search, and the time of equilibria and of pictures, s.
   int Projections = 0;
   double MechanicsSeconds = 0;
   double ProjectionSeconds = 0;
   /// Time of all derivatives, of mechanics and pictures together, s.
   double JacobianSeconds = 0;
-  /// Whole search, s.
-  double Seconds = 0;
 };
 
 /// A parameter that was found, of one view or shared by all.

@@ -16,13 +16,12 @@ class vtkImageData;
 
 namespace mammoray
 {
-/// An MRI as it would be had the breast lain between the plates: in the frame of the registered
-/// label volume, on which compressed.vtu lies.
+/// An MRI deformed into the compressed breast, in the frame of the registered label volume.
 struct CompressedVolume
 {
   /// 0 outside the breast and the given image.
   IntensityVolume Values;
-  /// One flag per voxel: whether the given image has a value there.
+  /// One flag per voxel: 1 if the given image has a value there.
   std::vector<unsigned char> Inside;
 };
 
@@ -36,31 +35,31 @@ MAMMORAYSTUDY_EXPORT CompressedVolume CompressVolume(const IntensityVolume& imag
   const RegisteredBreast& breast, double spacingMm, const ProgressCallback& progress = {});
 
 /**
- * Projects it on the mammogram's pixels along the X-rays, as for a fusion with the mammogram: point
- * arrays "Maximum" (scalars), "Mean" (per length in the breast) and "PathLength" (mm of the ray in
- * the image and the breast), float, 0 where a ray misses; steps of half a voxel; only voxels inside
- * count. The image lies where the detector is, rows and columns those of the mammogram. Throws
- * Interrupted.
+ * Projects a compressed volume along the X-rays on the mammogram's pixels, for fusion with the
+ * mammogram. Float point arrays: "Maximum" (scalars), "Mean" (per length in the breast) and
+ * "PathLength" (mm of the ray in the image and the breast), 0 if a ray misses. Rays advance by half
+ * a voxel, and only voxels inside count. The image lies on the detector and has the rows and
+ * columns of the mammogram. Throws Interrupted.
  */
 MAMMORAYSTUDY_EXPORT vtkSmartPointer<vtkImageData> ProjectVolume(const CompressedVolume& compressed,
   const RegisteredBreast& breast, const ProgressCallback& progress = {});
 
-/// Which points a displacement field moves, and where to.
+/// Direction of a displacement field.
 enum class DisplacementDirection
 {
-  /// Points of the compressed breast to where their tissue lay in the volume: what resamples an
+  /// Moves points of the compressed breast to where their tissue is in the volume; resamples an
   /// image of the volume into the compressed breast.
   CompressedToVolume,
-  /// Points of the volume to where their tissue lies in the compressed breast: what moves points
-  /// and meshes, and resamples an image of the compressed breast into the volume.
+  /// Moves points and meshes of the volume into the compressed breast; resamples an image of the
+  /// compressed breast into the volume.
   VolumeToCompressed
 };
 
 /**
- * The deformation as a field, voxels of `spacingMm` (positive) along the axes of the volume frame,
- * around the breast that the points lie in and `marginMm` (at least 0) beyond: linear in each
- * tetrahedron, and outside the breast the displacement of the nearest tissue. Throws InputError on
- * another spacing or margin and where that is more than 100 million voxels, Interrupted.
+ * Samples the deformation on voxels of `spacingMm` (positive) along the axes of the volume frame,
+ * around the breast whose points move and `marginMm` (at least 0) beyond. The displacement is
+ * linear in each tetrahedron, and that of the nearest tissue outside the breast. Throws InputError
+ * for another spacing or margin or more than 100 million voxels, and Interrupted.
  */
 MAMMORAYSTUDY_EXPORT DisplacementField FindDisplacement(const RegisteredBreast& breast,
   DisplacementDirection direction, double spacingMm, double marginMm,

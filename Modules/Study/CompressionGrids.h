@@ -41,7 +41,7 @@ public:
   CompressionGrids(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
     CompressionSimulation& simulation);
 
-  /// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
+  /// `thicknessMm`: value of "ThicknessMm"; by default the distance of the plates.
   vtkSmartPointer<vtkUnstructuredGrid> At(const CompressionState& state,
     std::optional<double> thicknessMm = {}) const;
 
@@ -54,14 +54,14 @@ private:
   std::optional<Embedding> Middles;
 };
 
-/// Time of a step of a compression: from 0, open, to 1, closed, evenly spaced; one step alone is
+/// Time of a step of a compression, evenly spaced from 0 (open) to 1 (closed); a single step is
 /// closed.
 MAMMORAYSTUDY_EXPORT double TimeOf(std::size_t step, std::size_t count);
 
 /**
  * Writes the grids of a compression at TimeOf each step as a ParaView collection: `path` (.pvd) and
- * beside it one .vtu file each, whose names SeriesFiles(path, count) tells. Throws InputError where
- * a file cannot be written; then none of them is left.
+ * beside it one .vtu file each (SeriesFiles(path, count)). Throws InputError if a file cannot be
+ * written; then none of them is left.
  */
 MAMMORAYSTUDY_EXPORT void WriteSeries(const std::string& path,
   const std::vector<vtkSmartPointer<vtkUnstructuredGrid>>& grids);

@@ -11,9 +11,9 @@
 namespace mammoray
 {
 /**
- * The lines along which an image of `columns` times `rows` values, row by row, has the value
- * `level`: continuous column and row, whole numbers at the centres of pixels. Closed lines repeat
- * their first point. With `around` the image is surrounded by that value, so that lines close along
+ * Finds the lines along which an image of `columns` times `rows` values, row by row, has the value
+ * `level`. Points are continuous column and row, whole at the centres of pixels. Closed lines
+ * repeat their first point. `around` surrounds the image with a value, so that lines close along
  * its border; without it they end there.
  */
 MAMMORAYSTUDY_EXPORT std::vector<std::vector<std::array<double, 2>>> ContourLines(

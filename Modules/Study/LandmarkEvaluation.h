@@ -19,7 +19,7 @@ struct Landmark
   Vector3 Uncompressed{ 0, 0, 0 };
   /// In the frame of the truth, mm.
   Vector3 Compressed{ 0, 0, 0 };
-  /// It lies between the plates, so that the mammogram shows it.
+  /// True if it is between the plates, so that the mammogram shows it.
   bool Imaged = true;
 };
 
@@ -39,12 +39,12 @@ struct ErrorSummary
 };
 MAMMORAYSTUDY_EXPORT ErrorSummary Summarise(std::vector<double> errors);
 
-/// The quantile of some values for `part` in [0, 1], linear between them; NaN if there are none.
+/// The quantile of values for `part` in [0, 1], linear between them; NaN without values.
 MAMMORAYSTUDY_EXPORT double Quantile(std::vector<double> values, double part);
 
 /**
- * Moves points by the point array "Displacement" (mm) of a body, interpolated in the cell that
- * contains or is nearest to each. Throws InputError without that array.
+ * Moves points by the point array "Displacement" (mm) of a body of linear tetrahedra, interpolated
+ * in the cell that contains or is nearest to each. Throws InputError without that array.
  */
 MAMMORAYSTUDY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
   vtkUnstructuredGrid* body);
@@ -59,7 +59,7 @@ struct LandmarkErrors
   std::vector<double> OnReceptor;
 };
 
-/// The unit of the truth: its placement in the truth's frame, and the distance of its focal spot.
+/// The true unit: its placement in the truth's frame, and the distance of its focal spot.
 struct LandmarkTruth
 {
   VolumeFromGantry Placed;

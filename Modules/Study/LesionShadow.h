@@ -30,8 +30,7 @@ MAMMORAYSTUDY_EXPORT std::vector<Lesion> FindLesions(const LabelVolume& volume);
 MAMMORAYSTUDY_EXPORT LabelVolume ReadLesions(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
 
-/// Share of a lesion that may lie outside the tissue: it may touch the skin or the chest wall, no
-/// more.
+/// Largest share of a lesion outside the tissue; a lesion may touch the skin or the chest wall.
 inline constexpr double LargestShareOutside = 0.5;
 
 /// A lesion's shadow on the mammogram.
@@ -41,14 +40,13 @@ struct LesionShadow
   double VolumeMm3 = 0;
   Vector3 Centre{ 0, 0, 0 };
   ImagedPoint ImagedCentre;
-  /// Shadow on the receptor, the part in the image.
+  /// Area of the part of the shadow in the image, on the receptor.
   double AreaMm2 = 0;
   /// 1 in the shadow; Rows * Columns values of the mammogram, row by row.
   std::vector<unsigned char> Shadow;
-  /// Longest way of an X-ray in the lesion, mm.
+  /// Longest path of an X-ray in the lesion, mm.
   double LargestThicknessMm = 0;
-  /// Share of its surface's points that lie outside the breast, and were moved with the nearest
-  /// tissue.
+  /// Share of its surface's points that are outside the breast; they move with the nearest tissue.
   double ShareOutside = 0;
   /// Closed polygons around the shadow, continuous column and row; first and last point are the
   /// same.
@@ -56,10 +54,10 @@ struct LesionShadow
 };
 
 /**
- * Where a lesion is seen: the voxels of `lesions` (frame of the registered label volume) with the
- * label `label`, as a closed surface that is compressed with the breast and projected on the
- * mammogram's pixels. The projector is given that surface. Throws InputError when there is no such
- * voxel or the lesion lies outside the breast, and DeviceError.
+ * Finds a lesion in the mammogram: turns the voxels of `lesions` (frame of the registered label
+ * volume) with the label `label` into a closed surface, compresses it with the breast and projects
+ * it on the mammogram's pixels. Sets that surface in the projector. Throws InputError if there is
+ * no such voxel or the lesion is outside the breast, and DeviceError.
  */
 MAMMORAYSTUDY_EXPORT LesionShadow ProjectLesion(const RegisteredBreast& breast,
   const LabelVolume& lesions, int label, PathLengthProjector& projector);

@@ -13,25 +13,24 @@
 namespace mammoray
 {
 /**
- * The synthetic mammogram in a result's folder, with SetPixels' pixels and a header of the unit and
- * pose that were found. View and patient orientation are those of `real`, the mammogram that was
- * registered, where its header says them; its laterality must be 'L' or 'R'. The tube's voltage is
- * where the synthetic beam's spectrum ends; its materials are left out. Throws InputError that
- * names the file, on another laterality, and where the picture has other rows and columns than
- * `real`.
+ * Reads the synthetic mammogram of a result, with pixels by SetPixels and a header for the unit and
+ * pose that were found. View and patient orientation are those of `real`, the registered mammogram,
+ * if its header has them; its laterality must be 'L' or 'R'. The tube's voltage is the end of the
+ * synthetic beam's spectrum. Throws InputError, which names the file, for another laterality and if
+ * the picture's rows and columns are not those of `real`.
  */
 MAMMORAYSTUDY_EXPORT Mammogram ReadSyntheticMammogram(const ResultFile& result,
   const Mammogram& real, Mammogram::Intent intent);
 
-/// Whether the file is the very mammogram that was registered, by its checksum. Throws InputError
-/// where it cannot be read.
+/// Returns true if the file is the registered mammogram, by its checksum. Throws InputError if it
+/// cannot be read.
 MAMMORAYSTUDY_EXPORT bool IsRegisteredMammogram(const ResultFile& result,
   const std::string& mammogramPath);
 
 /**
- * The mammogram that was registered, with spacing, view and laterality as the search had them: a
- * picture without a header has none of its own. Throws InputError, which names the file, when that
- * is another one, and as ReadMammogram or ReadMammogramPicture.
+ * Reads the registered mammogram, with the search's spacing, view and laterality, which a picture
+ * without a header lacks. Throws InputError, which names the file, if it is another one, and as
+ * ReadMammogram or ReadMammogramPicture.
  */
 MAMMORAYSTUDY_EXPORT Mammogram ReadRegisteredMammogram(const ResultFile& result,
   const std::string& mammogramPath);

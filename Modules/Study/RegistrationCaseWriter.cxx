@@ -75,30 +75,18 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   const CompressionState& state = found.State;
   const Mammogram& mammogram = registered.Mammogram;
   ResultFile file;
-  file.Trust = found.Trust;
+  static_cast<ViewFigures&>(file) = found;
   file.Axes = result.Axes;
   file.Anchor = result.Anchor;
-  file.Pose = found.Pose;
   file.Parameters = ParametersOf(found);
-  file.Covariance = found.Covariance;
-  file.ConsideredCovariance = found.ConsideredCovariance;
   file.Grid = target.Grid;
-  file.Placed = registered.Registration.Placed;
   file.Unit = registered.View.Unit;
-  file.After = found.After;
   for (std::size_t other = 0; other < registered.View.Projections.size(); ++other)
   {
     file.Projections.push_back(
       { registered.View.Projections[other].FocalSpotMm, found.ProjectionsAfter[other] });
   }
-  file.Misfit = found.Misfit;
-  file.Expected = found.Expected.value_or(file.Expected);
-  file.Converged = found.Converged;
-  file.StopReason = found.StopReason;
-  file.Evaluations = found.Evaluations;
-  file.Seconds = found.Seconds;
   file.Timings = result.Timings;
-  file.Iterations = found.Iterations;
   file.Compression = { .PaddleForceN = state.PaddleForceN,
     .SupportForceN = state.SupportForceN,
     .LargestWallGlideMm = state.LargestWallGlideMm,

@@ -16,22 +16,22 @@
 
 namespace mammoray
 {
-/// The name of the file that ends a result folder, and by which such a folder is known.
+/// Name of the file that makes a folder a result folder; it is written last.
 inline constexpr const char* ResultFileName = "result.json";
-/// Its "formatVersion": of both kinds, raised whenever a field changes its meaning or is added.
+/// Its "formatVersion", for both kinds; raised whenever a field changes its meaning or is added.
 inline constexpr int ResultFormatVersion = 5;
 
-/// Roles of the inputs that are asked for by them.
+/// Roles by which inputs are looked up.
 inline constexpr const char* MammogramRole = "Mammogram";
 inline constexpr const char* MaterialTableRole = "Material table";
 
-/// One unknown of the search: what was allowed and what was found, in its unit.
+/// One parameter of the search: its bounds and its value, in its unit.
 struct ResultParameter
 {
   std::string Name;
   std::string Unit;
   double Value = 0;
-  /// One standard deviation by the covariance at the solution; NaN where it is not known.
+  /// Standard deviation by the covariance at the solution; NaN if it is unknown.
   double StandardDeviation = std::numeric_limits<double>::quiet_NaN();
   double Start = 0;
   double Lower = 0;
@@ -40,13 +40,13 @@ struct ResultParameter
   bool AtBound = false;
 };
 
-/// The mechanical state between the plates; see CompressionState.
+/// The mechanical state between the plates (CompressionState).
 struct ResultCompression
 {
   double PaddleForceN = 0;
   double SupportForceN = 0;
   double LargestWallGlideMm = 0;
-  /// See ViewResult.
+  /// As in ViewResult.
   double OtherEquilibriumMm = 0;
   double VolumeRatio = 1;
   double SmallestJ = 1;
@@ -58,18 +58,18 @@ struct ResultCompression
 /// A further projection of a tomosynthesis.
 struct ResultProjection
 {
-  /// Of its focal spot, gantry frame.
+  /// Focal spot, gantry frame, mm.
   Vector3 FocalSpotMm{ 0, 0, 0 };
   Similarity After;
 };
 
-/// What scattered onto the synthetic mammogram.
+/// Scatter in the synthetic mammogram.
 struct ResultScatter
 {
-  /// "none" or "kernels"; of none the others mean nothing.
+  /// "none" or "kernels". If it is "none", the other fields are unused.
   std::string Method = "none";
   double AirGapMm = 0;
-  /// Of the grid: ratio, lines per cm, micrometres of a septum; a ratio of 0: none.
+  /// Anti-scatter grid: ratio (0 without a grid), lines per cm, thickness of a septum in um.
   std::array<double, 3> Grid{ 0, 0, 0 };
   /// "fibre", "air" or "aluminium".
   std::string Interspace = "fibre";
@@ -77,73 +77,55 @@ struct ResultScatter
 
 struct ResultInput
 {
-  /// "Label volume" or, of a study, "MRI", "MRI without fat suppression" and "MRI with fat
-  /// suppression"; "Material table", "Mammogram", "MRI" of labels, "Lesions", "Anatomy mesh" or
+  /// "Label volume" or, for a study, "MRI", "MRI without fat suppression" and "MRI with fat
+  /// suppression"; "Material table", "Mammogram", "MRI" beside labels, "Lesions", "Anatomy mesh" or
   /// "Simulation mesh".
   std::string Role;
   /// ShownName; of a series its description.
   std::string File;
-  /// Sha256OfFile; of an MRI, Sha256OfFiles.
+  /// Sha256OfFile, or Sha256OfFiles for an MRI.
   std::string Sha256;
 };
 
 /**
- * What result.json says of one registered mammogram. Points and directions are those of the label
- * volume's frame unless they are said to be of the gantry frame; mm and degrees.
- * docs/result-file.md is the format.
+ * The result of one registered mammogram as in result.json (docs/result-file.md). Points and
+ * directions are in the frame of the label volume unless the gantry frame is stated; mm and
+ * degrees.
  */
-struct ResultFile
+struct ResultFile : ViewFigures
 {
-  /// The folder it was read from, which holds the meshes too; not in the file.
+  /// The folder it was read from, which contains the meshes too; not in the file.
   std::string Folder;
-
-  Assessment Trust;
   AnatomicalAxes Axes;
-  /// What the pose refers to (FindPoseAnchor).
+  /// Point that the pose refers to (FindPoseAnchor).
   Vector3 Anchor{ 0, 0, 0 };
-  /// What the parameters below say; the file holds them only.
-  BreastPose Pose;
-  /// All PoseParameters, in their order, and covariances of them in that order, row by row; empty
-  /// where they are not known. See ViewResult.
+  /// All PoseParameters, in their order; their values are the pose.
   std::vector<ResultParameter> Parameters;
-  std::vector<double> Covariance;
-  std::vector<double> ConsideredCovariance;
   /// The mammogram's pixels.
   ReceptorGrid Grid;
-  VolumeFromGantry Placed;
   MammographyUnit Unit;
-  Similarity After;
-  /// Beside the mammogram above, which is the middle one; empty unless it is a tomosynthesis.
+  /// Further projections; empty unless the mammogram is the middle one of a tomosynthesis.
   std::vector<ResultProjection> Projections;
-  RegistrationMisfit Misfit;
-  /// NaN where it is not known.
-  ExpectedError Expected{ std::numeric_limits<double>::quiet_NaN(),
-    std::numeric_limits<double>::quiet_NaN() };
-  bool Converged = false;
-  std::string StopReason;
-  int Evaluations = 0;
-  /// Wall time of the search, and of each stage of the whole case, s.
-  double Seconds = 0;
+  /// Wall time by stage of the whole case, s.
   std::vector<std::pair<std::string, double>> Timings;
-  std::vector<RegistrationIteration> Iterations;
   ResultCompression Compression;
-  /// The mammogram as the search knew it: of its header what the file holds, without pixels.
+  /// The mammogram as the search knew it, without pixels and fields that are not in the file.
   mammoray::Mammogram Mammogram;
-  /// Share of the breast's picture that was left out of the comparison, [0, 1].
+  /// Share of the breast's pixels that were not compared, [0, 1].
   double ShareExcluded = 0;
   std::vector<std::string> Warnings;
   std::vector<ResultInput> Inputs;
-  /// Name of a shipped spectrum or path of another.
+  /// Name of a shipped spectrum, or of another one's file.
   std::string Spectrum;
   ResultScatter Scatter;
-  /// What took part, and its version or size.
+  /// Software, device and meshes with their version or size.
   std::vector<std::pair<std::string, std::string>> Versions;
 };
 
-/// What result.json says of several mammograms of one breast that were registered together.
+/// The result of several mammograms of one breast that were registered together.
 struct JointResultFile
 {
-  /// In short, one of the mammograms; all that is known of it is in its own folder.
+  /// Summary of one mammogram; its whole result is in its own folder.
   struct Registered
   {
     /// Its folder within that of the joint result.
@@ -154,41 +136,41 @@ struct JointResultFile
     double Correlation = 0;
     double MeanOutlineDistanceMm = 0;
   };
-  /// A free parameter, of one mammogram or of all.
+  /// A free parameter of one mammogram or of all.
   struct Unknown
   {
     std::string Name;
     std::string Unit;
-    /// The folder of the mammogram it belongs to; nothing where all share it.
+    /// Folder of the mammogram it belongs to; nothing if all share it.
     std::optional<std::string> Folder;
     double Value = 0;
     double StandardDeviation = std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<Registered> Mammograms;
   std::vector<Unknown> Unknowns;
-  /// The covariance of the unknowns, row by row; empty where it is not known.
+  /// The covariance of the unknowns, row by row; empty if unknown.
   std::vector<double> Covariance;
   bool Converged = false;
   std::string StopReason;
   double Seconds = 0;
 };
 
-/// Write result.json into a folder. Throw InputError when it cannot be written.
+/// Writes result.json into a folder. Throws InputError if it cannot be written.
 MAMMORAYSTUDY_EXPORT void WriteResultFile(const ResultFile& result, const std::string& folder);
 MAMMORAYSTUDY_EXPORT void WriteResultFile(const JointResultFile& result, const std::string& folder);
 
 /**
- * Reads the result of one mammogram. Throws InputError, one line, that names the file and, where it
- * is of another version or damaged, the field, what was expected there and what was found; for a
- * joint result it names the folders of which one is to be given.
+ * Reads the result of one mammogram. Throws InputError, one line that names the file and, if its
+ * version is another one or it is damaged, the field, the expected value and the one found. For a
+ * joint result the message names a folder to give instead.
  */
 MAMMORAYSTUDY_EXPORT ResultFile ReadResultFile(const std::string& folder);
 
 /// Reads a joint result. Throws as ReadResultFile.
 MAMMORAYSTUDY_EXPORT JointResultFile ReadJointResultFile(const std::string& folder);
 
-/// Reads the results of all mammograms of a folder: that of the folder itself, or those within a
-/// joint one, in its order. Throws as ReadResultFile.
+/// Reads the results of all mammograms of a folder: its own, or those of a joint result in its
+/// order. Throws as ReadResultFile.
 MAMMORAYSTUDY_EXPORT std::vector<ResultFile> ReadResultFiles(const std::string& folder);
 }
 

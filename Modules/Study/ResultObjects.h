@@ -15,16 +15,16 @@
 
 namespace mammoray
 {
-/// What to show of a result beside its mammogram.
+/// Points, lesions and MRI that become DICOM objects of a result.
 struct ResultObjects
 {
-  /// File of the registered mammogram, DICOM MG.
+  /// File of the registered mammogram (DICOM MG).
   std::string Mammogram;
   /// Points in the volume frame, mm.
   std::vector<Vector3> Points;
   /// Lesions, one label each, in the frame of the registered label volume.
   std::optional<LabelVolume> Lesions;
-  /// Folder with the DICOM slices of the MRI, whose frame is the volume frame. Empty: no MRI.
+  /// Folder with the DICOM slices of the MRI, whose frame is the volume frame; empty without MRI.
   std::string Mri;
   /// Voxel sizes of the MRI in the compressed breast and of the displacement field, mm.
   double MriSpacingMm = 1;
@@ -38,11 +38,12 @@ struct ResultObjects
  *   may be), presentation.dcm (presentation state: ellipses, outlines, labels) and report.dcm
  *   (measurement report);
  * - for an MRI: registration.dcm (deformable spatial registration from the frame of reference of
- * the compressed breast to that of the MRI) and mri/ (a series in the former).
+ *   the compressed breast to that of the MRI) and mri/ (a series in the former).
  *
  * The region of a lesion is its shadow, widened by the 95 % ellipse of RegisteredBreast. Throws
- * InputError if mammogram or MRI are not those of the result or belong to two patients, and if a
- * point is outside the breast or off the mammogram; DeviceError; Interrupted.
+ * InputError if mammogram or MRI are not those of the result or belong to two patients, or if a
+ * point is outside the breast or the mammogram. Throws DeviceError without a device, and
+ * Interrupted.
  */
 MAMMORAYSTUDY_EXPORT void WriteResultObjects(const ResultFile& result,
   const RegisteredBreast& breast, const ResultObjects& objects, const ProjectorOptions& projector,

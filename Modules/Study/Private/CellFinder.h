@@ -24,12 +24,12 @@ namespace mammoray
 /// A cell of a tetrahedral grid and the weights of its corners at a place.
 struct MAMMORAYSTUDY_EXPORT PlaceInCell
 {
-  /// -1: in none.
+  /// -1 if there is none.
   vtkIdType Cell = -1;
   std::array<vtkIdType, 4> Corners{};
   std::array<double, 4> Weights{};
 
-  /// The value there of a point array with three components.
+  /// Interpolates a point array with three components.
   Vector3 Interpolate(vtkDataArray* values) const;
 };
 
@@ -39,7 +39,7 @@ class MAMMORAYSTUDY_EXPORT CellFinder
 public:
   explicit CellFinder(vtkUnstructuredGrid* grid);
 
-  /// The cell that holds the point, or, within `toleranceMm`, lies nearest to it.
+  /// The cell that contains the point, or the nearest one within `toleranceMm`.
   PlaceInCell Find(Vector3 point, double toleranceMm);
 
 private:
@@ -47,9 +47,9 @@ private:
   PlaceInCell FindOnSurface(Vector3 point, double toleranceMm);
 
   vtkUnstructuredGrid* Grid;
-  /// Made when first asked for, as what follows: not all breasts are asked for places.
+  /// This and the members below are built when they are first needed.
   vtkNew<vtkStaticCellLocator> Locator;
-  /// The grid's outside and the cells behind its triangles.
+  /// The grid's outer surface, and the cell behind each of its triangles.
   vtkNew<vtkPolyData> Surface;
   std::vector<vtkIdType> SurfaceCells;
   vtkNew<vtkStaticCellLocator> SurfaceLocator;

@@ -167,42 +167,44 @@ std::vector<float> Resample(const ReceptorGrid& grid, const std::vector<float>& 
   return result;
 }
 
-/// Both mammograms on the target's grid, comparable with each other.
-struct ComparedImages
+/// Both mammograms at the picture's pixels, row by row from below.
+struct HungImages
 {
-  /// z-scored over the pixels of both breasts that are compared; the synthetic image is finite.
+  /// z-scored over the pixels of both breasts that are compared.
   std::vector<float> Real;
   std::vector<float> Synthetic;
-  /// 1 in the synthetic breast, and where the real one is not compared.
+  /// The values that are black and white in both, so that air is black.
+  Extent Window{ -3, 2 };
+  /// Distance to the real outline, mm, negative inside.
+  std::vector<float> Distance;
+  /// Shares, [0, 1], of the synthetic breast and of what is not compared.
   std::vector<float> InSynthetic;
   std::vector<float> Excluded;
-  /// 1 in both breasts and compared, and in any of them.
-  std::vector<unsigned char> Both;
-  std::vector<unsigned char> Either;
-  /// What air became in each image.
-  double RealAir = 0;
-  double SyntheticAir = 0;
+
+  bool IsCompared(std::size_t pixel) const
+  {
+    return this->Distance[pixel] < 0 && this->InSynthetic[pixel] > 0.5F &&
+      this->Excluded[pixel] < 0.5F;
+  }
 };
 
-/// Brings an image to mean 0 and standard deviation 1 over the pixels of both breasts and returns
-/// what 0 (air) becomes.
-double Standardise(std::vector<float>& image, const std::vector<unsigned char>& both)
+/// Brings an image to mean 0 and standard deviation 1 over the compared pixels and returns what 0
+/// (air) becomes.
+double Standardise(const HungImages& images, std::vector<float>& image)
 {
   double count = 0;
-  double mean = 0;
-  double square = 0;
-  for (std::size_t i = 0; i < image.size(); ++i)
+  double sum = 0;
+  double squares = 0;
+  for (std::size_t pixel = 0; pixel < image.size(); ++pixel)
   {
-    if (both[i])
-    {
-      // Welford (1962)
-      count += 1;
-      const double before = image[i] - mean;
-      mean += before / count;
-      square += before * (image[i] - mean);
-    }
+    const double value = images.IsCompared(pixel) ? image[pixel] : 0;
+    count += images.IsCompared(pixel) ? 1 : 0;
+    sum += value;
+    squares += value * value;
   }
-  const double deviation = count > 1 && square > 0 ? std::sqrt(square / count) : 1;
+  const double mean = sum / std::max(count, 1.0);
+  const double variance = squares / std::max(count, 1.0) - mean * mean;
+  const double deviation = variance > 0 ? std::sqrt(variance) : 1;
   for (float& value : image)
   {
     value = static_cast<float>((value - mean) / deviation);
@@ -210,38 +212,15 @@ double Standardise(std::vector<float>& image, const std::vector<unsigned char>& 
   return -mean / deviation;
 }
 
-ComparedImages ImagesOf(const RegistrationTarget& target, const std::vector<float>& synthetic)
-{
-  ComparedImages images;
-  images.Real = target.LogAttenuation;
-  images.Synthetic = synthetic;
-  for (std::size_t i = 0; i < images.Real.size(); ++i)
-  {
-    float& value = images.Synthetic[i];
-    value = std::isfinite(value) ? value : 0;
-    const bool inReal = target.BreastMask[i] != 0;
-    const bool inSynthetic = value > 1e-6F; // float noise of rays that meet nothing
-    const bool excluded = inReal && IsExcluded(target, i);
-    images.InSynthetic.push_back(inSynthetic ? 1 : 0);
-    images.Excluded.push_back(excluded ? 1 : 0);
-    images.Both.push_back(inReal && inSynthetic && !excluded ? 1 : 0);
-    images.Either.push_back(inReal || inSynthetic ? 1 : 0);
-  }
-  images.RealAir = Standardise(images.Real, images.Both);
-  images.SyntheticAir = Standardise(images.Synthetic, images.Both);
-  return images;
-}
-
-/// The values that are black and white, the same in both pictures: from below the thinner parts to
-/// the densest, so that air is black in both.
-Extent WindowOf(const ComparedImages& images)
+/// From below the thinner parts to the densest.
+Extent WindowOf(const HungImages& images, double air)
 {
   std::vector<float> inside;
-  for (std::size_t i = 0; i < images.Real.size(); ++i)
+  for (std::size_t pixel = 0; pixel < images.Real.size(); ++pixel)
   {
-    if (images.Both[i])
+    if (images.IsCompared(pixel))
     {
-      inside.push_back(images.Real[i]);
+      inside.push_back(images.Real[pixel]);
     }
   }
   if (inside.size() <= 100)
@@ -251,21 +230,38 @@ Extent WindowOf(const ComparedImages& images)
   std::sort(inside.begin(), inside.end());
   const double tenth = inside[inside.size() / 10];
   const double high = inside[inside.size() - 1 - inside.size() / 500];
-  const double low = std::max({ tenth - (high - tenth), images.RealAir, images.SyntheticAir });
-  return { std::min(low, high - 0.5), high };
+  return { std::min(std::max(tenth - (high - tenth), air), high - 0.5), high };
 }
 
-/// What each picture's pixels show, row by row from below.
-struct HungImages
+HungImages HangImages(const RegistrationTarget& target, const SyntheticMammogram& synthetic,
+  const Mammogram& mammogram, Hanging& hanging)
 {
-  std::vector<float> Real;
-  std::vector<float> Synthetic;
-  /// Distance to the real outline, mm, negative inside.
-  std::vector<float> Distance;
-  /// Shares, [0, 1].
-  std::vector<float> InSynthetic;
-  std::vector<float> Excluded;
-};
+  std::vector<float> finite;
+  std::vector<float> inSynthetic;
+  std::vector<float> excluded;
+  std::vector<unsigned char> shown;
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    const float value = synthetic.LogAttenuation[pixel];
+    finite.push_back(std::isfinite(value) ? value : 0);
+    const bool inReal = target.BreastMask[pixel] != 0;
+    const bool inside = finite.back() > 1e-6F; // float noise of rays that meet nothing
+    inSynthetic.push_back(inside ? 1 : 0);
+    excluded.push_back(inReal && IsExcluded(target, pixel) ? 1 : 0);
+    shown.push_back(inReal || inside ? 1 : 0);
+  }
+  hanging = Hang(mammogram, target.Grid, shown);
+  HungImages images;
+  images.Real = Resample(target.Grid, target.LogAttenuation, hanging);
+  images.Synthetic = Resample(target.Grid, finite, hanging);
+  images.Distance = Resample(target.Grid, target.SignedDistanceMm, hanging);
+  images.InSynthetic = Resample(target.Grid, inSynthetic, hanging);
+  images.Excluded = Resample(target.Grid, excluded, hanging);
+  const double realAir = Standardise(images, images.Real);
+  const double syntheticAir = Standardise(images, images.Synthetic);
+  images.Window = WindowOf(images, std::max(realAir, syntheticAir));
+  return images;
+}
 
 /// Blue, white, red for -1, 0, +1.
 PictureColor Diverging(double value)
@@ -403,14 +399,9 @@ ReportPictures DrawPictures(const RegistrationReport& report)
 {
   const RegistrationTarget& target = report.Registered->View.Target;
   const SyntheticMammogram& found = report.Registered->Registration.Synthetic;
-  const ComparedImages images = ImagesOf(target, found.LogAttenuation);
-  const Extent window = WindowOf(images);
-  const Hanging hanging = Hang(report.Registered->Mammogram, target.Grid, images.Either);
-  const HungImages hung{ Resample(target.Grid, images.Real, hanging),
-    Resample(target.Grid, images.Synthetic, hanging),
-    Resample(target.Grid, target.SignedDistanceMm, hanging),
-    Resample(target.Grid, images.InSynthetic, hanging),
-    Resample(target.Grid, images.Excluded, hanging) };
+  Hanging hanging;
+  const HungImages hung = HangImages(target, found, report.Registered->Mammogram, hanging);
+  const Extent& window = hung.Window;
 
   Picture real(hanging.Width, hanging.Height);
   Picture synthetic(hanging.Width, hanging.Height);

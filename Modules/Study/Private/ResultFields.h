@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -198,7 +199,10 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("tissueCorrelation", OrNull{ result.After.TissueCorrelation });
   fields("projections", result.Projections);
   fields("misfit", result.Misfit);
-  fields("expectedError", result.Expected);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  ExpectedError expected = result.Expected.value_or(ExpectedError{ unknown, unknown });
+  fields("expectedError", expected);
+  result.Expected = std::isnan(expected.MedianMm) ? std::nullopt : std::optional(expected);
   fields("converged", result.Converged);
   fields("stopReason", result.StopReason);
   fields("evaluations", result.Evaluations);
