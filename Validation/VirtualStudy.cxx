@@ -8,7 +8,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/LabelEditing.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"

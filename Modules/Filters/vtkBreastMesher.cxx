@@ -3,7 +3,7 @@
 
 #include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/LabelEditing.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -40,14 +39,7 @@ void ParallelRanges(std::size_t count, std::size_t grain, const Work& work)
     threads.reserve(parts - 1);
     for (std::size_t part = 1; part < parts; ++part)
     {
-      try
-      {
-        threads.emplace_back(workOn, part);
-      }
-      catch (const std::system_error&) // no thread is to be had
-      {
-        workOn(part);
-      }
+      threads.emplace_back(workOn, part);
     }
     workOn(0);
   }

@@ -11,7 +11,7 @@
 #include "Private/Thresholds.h"
 #include "Private/Valley.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/LabelEditing.h"
 #include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "mammoray/Study/CutTissue.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/LabelEditing.h"
 
 #include <algorithm>
 #include <array>

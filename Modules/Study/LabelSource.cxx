@@ -3,8 +3,7 @@
 
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
-#include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/LabelEditing.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/LabelVolumeIO.h"

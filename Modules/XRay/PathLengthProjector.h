@@ -13,20 +13,12 @@
 
 namespace mammoray
 {
-/// No Vulkan device is usable, or the device failed. The message is one line with the reason.
+/// No Vulkan device is usable, or the device failed. The message is one line with the reason, and
+/// with the name of the VkResult if there is one, for example "VK_ERROR_OUT_OF_DEVICE_MEMORY".
 class DeviceError : public Error
 {
 public:
-  explicit DeviceError(const std::string& message, const std::string& resultName = {})
-    : Error(message)
-    , Result(resultName)
-  {
-  }
-  /// Name of the VkResult, for example "VK_ERROR_OUT_OF_DEVICE_MEMORY". Empty if there is none.
-  const std::string& ResultName() const { return this->Result; }
-
-private:
-  std::string Result;
+  using Error::Error;
 };
 
 class Beam;

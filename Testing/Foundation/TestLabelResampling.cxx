@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/LabelEditing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

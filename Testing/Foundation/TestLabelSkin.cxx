@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/LabelEditing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

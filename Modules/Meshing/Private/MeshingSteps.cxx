@@ -5,7 +5,7 @@
 #include "Private/PinchRepair.h"
 #include "Private/VolumeFit.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/LabelEditing.h"
 
 #include <algorithm>
 #include <cmath>

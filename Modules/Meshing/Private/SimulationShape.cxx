@@ -5,7 +5,7 @@
 #include "Private/TriangleAim.h"
 #include "Private/VoxelMask.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/LabelEditing.h"
 
 #include <algorithm>
 #include <array>

@@ -51,6 +51,16 @@ protected:
   virtual std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector,
     int fields) = 0;
 
+  /// Sets a vector of the shaders' parameters.
+  template <typename Real>
+  static void SetReal4(Real (&target)[4], const Vector3& value, double fourth = 0)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      target[axis] = static_cast<Real>(value[axis]);
+    }
+    target[3] = static_cast<Real>(fourth);
+  }
   /// Throws InputError when there is no surface.
   void RequireSurface() const;
   /// An image of this size without values.

@@ -137,30 +137,22 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   const Work& work)
 {
   RasterParameters<Real> parameters{};
-  const auto set = [](Real(&target)[4], const Vector3& value, double fourth = 0)
-  {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      target[axis] = static_cast<Real>(value[axis]);
-    }
-    target[3] = static_cast<Real>(fourth);
-  };
   // The grid of samples.
   const int samples = detector.Samples;
   const Vector3 u = (1.0 / samples) * detector.ColumnStep;
   const Vector3 v = (1.0 / samples) * detector.RowStep;
   const Vector3 origin = detector.Origin - this->Surface.Center +
     (0.5 / samples - 0.5) * (detector.ColumnStep + detector.RowStep);
-  set(parameters.DetectorOrigin, origin);
-  set(parameters.ColumnStep, u);
-  set(parameters.RowStep, v);
+  SetReal4(parameters.DetectorOrigin, origin);
+  SetReal4(parameters.ColumnStep, u);
+  SetReal4(parameters.RowStep, v);
 
   // A point is p = base + column u + row v + depth w; for a point source, a ray's points are
   // multiples of one another.
   const bool isPoint = source.Type == XRaySource::Kind::Point;
   const Vector3 base = isPoint ? source.Position - this->Surface.Center : origin;
   const Vector3 w = isPoint ? origin - base : (1.0 / Norm(source.Direction)) * source.Direction;
-  set(parameters.Source, isPoint ? base : w, isPoint ? 1 : 0);
+  SetReal4(parameters.Source, isPoint ? base : w, isPoint ? 1 : 0);
   const double determinant = Dot(w, Cross(u, v));
   double largest = 0; // of the terms of a coordinate
   const auto coordinate = [&](const Vector3& factor, double magnitude)
@@ -192,7 +184,7 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Scales[0] = determinant > 0 ? Real(1) : Real(-1);
   // The longest path, twice the reach, is just below 2^31.
   const double unitsPerMm = 1073741824.0 / (1.001 * this->Reach);
-  set(parameters.DepthOf, depthOf, unitsPerMm / Norm(depthOf));
+  SetReal4(parameters.DepthOf, depthOf, unitsPerMm / Norm(depthOf));
   parameters.DetectorOrigin[3] = static_cast<Real>(-1e-3 * unitsPerMm);
   const double most = Norm(depthOf) * this->Reach;
   const auto within = [most](double depth)

@@ -202,27 +202,19 @@ void RayTracingProjector::WriteParameters(const XRaySource& source, const XRayDe
   // Room for the rounding of positions and of the rays' starts.
   const double room = 1e-3 + 1e-4 * Norm(this->Surface.High - this->Surface.Low);
   PathLengthParameters<Real> parameters{};
-  const auto set = [](Real(&target)[4], const Vector3& value, double fourth = 0)
-  {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      target[axis] = static_cast<Real>(value[axis]);
-    }
-    target[3] = static_cast<Real>(fourth);
-  };
   if (source.Type == XRaySource::Kind::Point)
   {
-    set(parameters.Source, source.Position - center, 1);
+    SetReal4(parameters.Source, source.Position - center, 1);
   }
   else
   {
-    set(parameters.Source, (1.0 / Norm(source.Direction)) * source.Direction);
+    SetReal4(parameters.Source, (1.0 / Norm(source.Direction)) * source.Direction);
   }
-  set(parameters.DetectorOrigin, detector.Origin - center);
-  set(parameters.ColumnStep, detector.ColumnStep);
-  set(parameters.RowStep, detector.RowStep);
-  set(parameters.BoxLow, this->Surface.Low - center - Vector3{ room, room, room });
-  set(parameters.BoxHigh, this->Surface.High - center + Vector3{ room, room, room });
+  SetReal4(parameters.DetectorOrigin, detector.Origin - center);
+  SetReal4(parameters.ColumnStep, detector.ColumnStep);
+  SetReal4(parameters.RowStep, detector.RowStep);
+  SetReal4(parameters.BoxLow, this->Surface.Low - center - Vector3{ room, room, room });
+  SetReal4(parameters.BoxHigh, this->Surface.High - center + Vector3{ room, room, room });
   parameters.Columns = static_cast<std::uint32_t>(detector.Columns);
   parameters.Rows = static_cast<std::uint32_t>(detector.Rows);
   parameters.Samples = static_cast<std::uint32_t>(detector.Samples);

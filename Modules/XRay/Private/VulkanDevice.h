@@ -13,7 +13,7 @@
 
 namespace mammoray
 {
-/// Calls a function and turns what Vulkan-Hpp throws into a DeviceError with the VkResult's name.
+/// Calls a function and turns exceptions of Vulkan-Hpp into DeviceErrors with the VkResult's name.
 template <typename Function>
 auto WithDeviceErrors(const Function& function)
 {
@@ -39,7 +39,7 @@ auto WithDeviceErrors(const Function& function)
       }
       return text;
     }();
-    throw DeviceError("Vulkan: " + std::string(error.what()) + " (" + name + ")", name);
+    throw DeviceError("Vulkan: " + std::string(error.what()) + " (" + name + ")");
   }
 }
 

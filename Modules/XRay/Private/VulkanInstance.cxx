@@ -58,7 +58,7 @@ vk::raii::Instance MakeInstance(const vk::raii::Context& context, bool validatio
   }
   catch (const vk::IncompatibleDriverError&)
   {
-    throw DeviceError(NoDevice, "VK_ERROR_INCOMPATIBLE_DRIVER");
+    throw DeviceError(NoDevice);
   }
 }
 }
