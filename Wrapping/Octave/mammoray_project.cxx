@@ -452,9 +452,9 @@ void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray*
 {
   CheckCounts(outputCount, inputCount);
   const Scene scene = inputCount == 1 ? ReadSceneFile(inputs[0]) : MakeScene(inputCount, inputs);
-  const std::vector<double> velocities = inputCount > 7
+  const VectorFields velocities = inputCount > 7
     ? ToVelocities(inputs[7], scene.Samples.front().Surface->NumberOfPoints())
-    : std::vector<double>();
+    : VectorFields();
   Exposer exposer;
   const Exposure exposure = exposer.Expose(scene);
   const PathLengthImage& lengths = *exposure.Lengths;
