@@ -79,14 +79,13 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
     command.add_option_function<std::vector<std::string>>(OptionOf(quantity), take, quantity.Help)
       ->type_name(TypeName(quantity))
       ->default_str(quantity.Default);
-  if (quantity.Type == Kind::ListOfTexts)
+  if (quantity.Count == 0)
   {
     option->allow_extra_args(false);
   }
   else
   {
-    const bool isVector = quantity.Type == Kind::Point || quantity.Type == Kind::Direction;
-    option->expected(isVector ? 3 : 1);
+    option->expected(static_cast<int>(quantity.Count));
   }
   if (quantity.Type == Kind::Word)
   {
@@ -96,11 +95,11 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   {
     option->check(FileOrFolder(quantity.Type == Kind::File));
   }
-  const Quantity numbers = IsNumeric(quantity.Type)
+  const Quantity numbers = IsNumeric(quantity.Type) && quantity.Count == 1
     ? Between(quantity.Least, quantity.Most, quantity.Unit.c_str())
     : Quantity("");
   const bool isWhole = quantity.Type == Kind::WholeNumber;
-  const bool isNumber = option->get_expected_max() == 3 || IsNumeric(quantity.Type);
+  const bool isNumber = quantity.Type == Kind::Component || IsNumeric(quantity.Type);
   if (isNumber)
   {
     option->check(isWhole ? NumberIn<int>(numbers) : NumberIn<double>(numbers));

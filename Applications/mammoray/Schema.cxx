@@ -90,42 +90,41 @@ Json SettingSchema(const Declaration& declaration)
 Json QuantitySchema(const SceneQuantity& quantity)
 {
   using Kind = SceneQuantity::Kind;
-  const Json number{ { "type", "number" } };
-  const Json length{ { "type", "number" }, { "minimum", Bound(quantity.Least) },
-    { "maximum", Bound(quantity.Most) } };
-  const auto list = [](const Json& items, int count)
-  {
-    return Json{ { "type", "array" }, { "items", items }, { "minItems", count },
-      { "maxItems", count } };
-  };
+  Json one{ { "type", "string" } };
   switch (quantity.Type)
   {
     case Kind::Number:
     case Kind::Length:
-      return length;
+    case Kind::Component:
     case Kind::WholeNumber:
-      return { { "type", "integer" }, { "minimum", Bound(quantity.Least) },
-        { "maximum", Bound(quantity.Most) } };
+      one = { { "type", quantity.Type == Kind::WholeNumber ? "integer" : "number" },
+        { "minimum", Bound(quantity.Least) }, { "maximum", Bound(quantity.Most) } };
+      break;
     case Kind::Flag:
-      return { { "type", "boolean" } };
+    case Kind::Sample:
+      one["type"] = quantity.Type == Kind::Flag ? "boolean" : "object";
+      break;
     case Kind::Word:
-      return { { "type", "string" }, { "enum", quantity.Words } };
-    case Kind::ListOfTexts:
-      return { { "type", "array" }, { "items", { { "type", "string" } } }, { "minItems", 1 } };
-    case Kind::ListOfSamples:
-      return { { "type", "array" }, { "items", { { "type", "object" } } }, { "minItems", 1 } };
-    case Kind::Point:
-    case Kind::Direction:
-      return list(number, 3);
-    case Kind::Edges:
-      return list(length, 2);
-    case Kind::TextsByMaterial:
-      return { { "type", "object" }, { "additionalProperties", { { "type", "string" } } } };
-    case Kind::NumbersByMaterial:
-      return { { "type", "object" }, { "additionalProperties", length } };
+      one["enum"] = quantity.Words;
+      break;
     default:
-      return { { "type", "string" } };
+      break;
   }
+  if (quantity.IsByMaterial)
+  {
+    return { { "type", "object" }, { "additionalProperties", one } };
+  }
+  if (quantity.Count == 1)
+  {
+    return one;
+  }
+  Json list{ { "type", "array" }, { "items", one },
+    { "minItems", std::max<std::size_t>(quantity.Count, 1) } };
+  if (quantity.Count > 1)
+  {
+    list["maxItems"] = quantity.Count;
+  }
+  return list;
 }
 
 /// Scene files; limits of lengths are mm.

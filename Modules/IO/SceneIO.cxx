@@ -51,154 +51,114 @@ struct SceneValueContext
   }
 };
 
+bool IsNumeric(Kind kind)
+{
+  return kind == Kind::Number || kind == Kind::Length || kind == Kind::WholeNumber;
+}
+
 std::string ExpectedValue(const SceneQuantity& quantity, const LengthUnit& unit)
 {
-  const auto range = [](const std::string& least, const std::string& most)
-  { return " from " + least + " to " + most; };
-  const std::string numbers = range(NumberText(quantity.Least), NumberText(quantity.Most));
-  const std::string lengths = range(unit.Text(quantity.Least), unit.Text(quantity.Most));
+  if (quantity.IsByMaterial)
+  {
+    return "an object by names of materials";
+  }
+  if (IsNumeric(quantity.Type))
+  {
+    const auto text = [&](double limit)
+    { return quantity.Type == Kind::Length ? unit.Text(limit) : NumberText(limit); };
+    const char* const numbers[] = { "", "a number", "two numbers", "three numbers" };
+    return (quantity.Type == Kind::WholeNumber ? "a whole number" : numbers[quantity.Count]) +
+      (" from " + text(quantity.Least) + " to " + text(quantity.Most));
+  }
   std::string words;
   for (const std::string& word : quantity.Words)
   {
-    words += (words.empty() ? "\"" : ", \"") + word + "\"";
+    words += (words.empty() ? "one of \"" : ", \"") + word + "\"";
   }
+  return quantity.Type == Kind::Component ? "three numbers from -1e6 to 1e6 that are not all 0"
+    : quantity.Type == Kind::Flag         ? "true or false"
+    : quantity.Type == Kind::Sample       ? "a list of at least one sample"
+    : quantity.Count == 0                 ? "a list of texts that are not empty, at least one"
+    : words.empty()                       ? "a text that is not empty"
+                                          : words;
+}
+
+/// A single value with lengths in mm and paths from the working folder; null where it is unusable.
+Json PlainValue(const SceneQuantity& quantity, const Json& value, const SceneValueContext& context)
+{
+  const double number = value.is_number() ? value.get<double>() : NAN;
+  const double plain = quantity.Type == Kind::Length ? context.Unit.ToMm(number) : number;
+  const bool isWithin = plain >= quantity.Least && plain <= quantity.Most;
+  const std::string text = value.is_string() ? EscapeControls(value.get<std::string>()) : "";
   switch (quantity.Type)
   {
     case Kind::Number:
-      return "a number" + numbers;
+    case Kind::Component:
+      return isWithin ? value : Json();
     case Kind::Length:
-      return "a number" + lengths;
+      return isWithin ? Json(plain) : Json();
     case Kind::WholeNumber:
-      return "a whole number" +
-        range(std::to_string(std::llround(quantity.Least)),
-          std::to_string(std::llround(quantity.Most)));
+      return isWithin && value.is_number_integer() ? value : Json();
     case Kind::Flag:
-      return "true or false";
+      return value.is_boolean() ? value : Json();
     case Kind::Word:
-      return "one of " + words;
-    case Kind::ListOfTexts:
-      return "a list of texts that are not empty, at least one";
-    case Kind::Point:
-      return "three numbers within " + unit.Text(quantity.Most) + " of 0";
-    case Kind::Direction:
-      return "three numbers from -1e6 to 1e6 that are not all 0";
-    case Kind::Edges:
-      return "two numbers" + lengths;
-    case Kind::TextsByMaterial:
-    case Kind::NumbersByMaterial:
-      return "an object by names of materials";
-    case Kind::ListOfSamples:
-      return "a list of at least one sample";
+      return std::find(quantity.Words.begin(), quantity.Words.end(), value) != quantity.Words.end()
+        ? value
+        : Json();
+    case Kind::Sample:
+      return value;
     default:
-      return "a text that is not empty";
+      return text.empty()                   ? Json()
+        : quantity.Type == Kind::File       ? Json(context.Beside(text))
+        : quantity.Type == Kind::FileOrName ? Json(context.BesideOrAsGiven(text))
+                                            : Json(text);
   }
 }
 
-bool IsNumberBetween(const Json& value, double least, double most)
+/// A list of them.
+Json PlainList(const SceneQuantity& quantity, const Json& value, const SceneValueContext& context)
 {
-  return value.is_number() && value.get<double>() >= least && value.get<double>() <= most;
-}
-
-bool IsFilledText(const Json& value)
-{
-  return value.is_string() && !value.get_ref<const std::string&>().empty();
-}
-
-template <typename Accept>
-bool IsListOf(const Json& value, std::size_t least, std::size_t most, const Accept& accept)
-{
-  return value.is_array() && value.size() >= least && value.size() <= most &&
-    std::all_of(value.begin(), value.end(), accept);
-}
-
-bool IsUsable(const SceneQuantity& quantity, const Json& value, const LengthUnit& unit)
-{
-  const auto isLength = [&](const Json& length)
+  const bool isLong = quantity.Count == 0 ? !value.empty() : value.size() == quantity.Count;
+  if (!value.is_array() || !isLong)
   {
-    return length.is_number() && unit.ToMm(length.get<double>()) >= quantity.Least &&
-      unit.ToMm(length.get<double>()) <= quantity.Most;
-  };
-  switch (quantity.Type)
-  {
-    case Kind::Number:
-      return IsNumberBetween(value, quantity.Least, quantity.Most);
-    case Kind::WholeNumber:
-      return value.is_number_integer() && IsNumberBetween(value, quantity.Least, quantity.Most);
-    case Kind::Length:
-      return isLength(value);
-    case Kind::Flag:
-      return value.is_boolean();
-    case Kind::Word:
-      return std::find(quantity.Words.begin(), quantity.Words.end(), value) != quantity.Words.end();
-    case Kind::ListOfTexts:
-      return IsListOf(value, 1, value.size(), IsFilledText);
-    case Kind::Point:
-      return IsListOf(value, 3, 3, isLength);
-    case Kind::Direction:
-      return IsListOf(value, 3, 3,
-               [](const Json& number) { return IsNumberBetween(number, -1e6, 1e6); }) &&
-        Norm(value.get<Vector3>()) > 1e-12;
-    case Kind::Edges:
-      return IsListOf(value, 2, 2, isLength);
-    case Kind::TextsByMaterial:
-    case Kind::NumbersByMaterial:
-      return value.is_object();
-    case Kind::ListOfSamples:
-      return IsListOf(value, 1, value.size(), [](const Json&) { return true; });
-    default:
-      return IsFilledText(value);
+    return {};
   }
+  Json list = Json::array();
+  for (const Json& element : value)
+  {
+    list.push_back(PlainValue(quantity, element, context));
+    if (list.back().is_null() && quantity.Type != Kind::Sample)
+    {
+      return {};
+    }
+  }
+  const bool isVector = quantity.Type != Kind::Component || Norm(list.get<Vector3>()) > 1e-12;
+  return isVector ? list : Json();
 }
 
-/// What is declared of the value of a single material.
-SceneQuantity OfOneMaterial(SceneQuantity quantity)
+/// Checks what was given for a quantity. Throws InputError.
+Json ToPlain(SceneQuantity quantity, const Json& value, const SceneValueContext& context)
 {
-  quantity.Type = quantity.Type == Kind::TextsByMaterial ? Kind::Text : Kind::Number;
-  return quantity;
-}
-
-/// Checks a value; lengths become mm, paths those from the working folder.
-Json ToPlainValue(const SceneQuantity& quantity, Json value, const SceneValueContext& context)
-{
-  if (!IsUsable(quantity, value, context.Unit))
+  if (quantity.IsByMaterial && value.is_object())
+  {
+    quantity.IsByMaterial = false;
+    Json plain = Json::object();
+    for (const auto& [name, entry] : value.items())
+    {
+      SceneValueContext inner = context;
+      inner.Place += "." + name;
+      plain[name] = ToPlain(quantity, entry, inner);
+    }
+    return plain;
+  }
+  Json plain = quantity.IsByMaterial ? Json()
+    : quantity.Count == 1            ? PlainValue(quantity, value, context)
+                                     : PlainList(quantity, value, context);
+  if (plain.is_null())
   {
     RefuseJson(context.Place, ExpectedValue(quantity, context.Unit), &value);
   }
-  switch (quantity.Type)
-  {
-    case Kind::Length:
-      return context.Unit.ToMm(value.get<double>());
-    case Kind::Point:
-    case Kind::Edges:
-      for (Json& length : value)
-      {
-        length = context.Unit.ToMm(length.get<double>());
-      }
-      return value;
-    case Kind::Text:
-      return EscapeControls(value.get<std::string>());
-    case Kind::File:
-      return context.Beside(EscapeControls(value.get<std::string>()));
-    case Kind::FileOrName:
-      return context.BesideOrAsGiven(EscapeControls(value.get<std::string>()));
-    case Kind::ListOfTexts:
-      for (Json& text : value)
-      {
-        text = EscapeControls(text.get<std::string>());
-      }
-      return value;
-    case Kind::TextsByMaterial:
-    case Kind::NumbersByMaterial:
-      for (const auto& [name, entry] : value.items())
-      {
-        SceneValueContext inner = context;
-        inner.Place += "." + name;
-        entry = ToPlainValue(OfOneMaterial(quantity), entry, inner);
-      }
-      return value;
-    default:
-      return value;
-  }
+  return plain;
 }
 
 std::optional<LengthUnit> UnitOf(const JsonObject& entry)
@@ -233,14 +193,14 @@ SurfaceSample SampleOf(const Json& value, const SceneValueContext& context)
   {
     SceneValueContext inner = context;
     inner.Place = of.PlaceOf(quantity.Key);
-    return ToPlainValue(quantity, of.Require(quantity.Key, ExpectedValue(quantity, inner.Unit)),
-      inner)
+    return ToPlain(quantity, of.Require(quantity.Key, ExpectedValue(quantity, inner.Unit)), inner)
       .get<Vector3>();
   };
   if (const Json* rotation = entry.Find("rotation"))
   {
     const JsonObject turn(*rotation, entry.PlaceOf("rotation"), { "axis", "angle" });
-    sample.RotationAxis = numbers({ .Key = "axis", .Type = Kind::Direction }, turn);
+    sample.RotationAxis = numbers(
+      { .Key = "axis", .Type = Kind::Component, .Least = -1e6, .Most = 1e6, .Count = 3 }, turn);
     const char* const expected = "a number of degrees from -3600 to 3600";
     turn.Require("angle", expected);
     turn.Number(
@@ -250,9 +210,10 @@ SurfaceSample SampleOf(const Json& value, const SceneValueContext& context)
   if (entry.Find("translation"))
   {
     sample.TranslationMm = numbers({ .Key = "translation",
-                                     .Type = Kind::Point,
+                                     .Type = Kind::Length,
                                      .Least = -MostCoordinateMm,
-                                     .Most = MostCoordinateMm },
+                                     .Most = MostCoordinateMm,
+                                     .Count = 3 },
       entry);
   }
   return sample;
@@ -315,9 +276,9 @@ std::vector<std::string> KeysWithin(const std::string& prefix)
 void Apply(const SceneRow& row, const Json& value, const SceneValueContext& context,
   SceneDescription& description)
 {
-  const Json plain = ToPlainValue(row.Quantity, value, context);
+  const Json plain = ToPlain(row.Quantity, value, context);
   description.Keys.push_back(row.Quantity.Key);
-  if (row.Quantity.Type != Kind::ListOfSamples)
+  if (row.Quantity.Type != Kind::Sample)
   {
     row.Set(description, plain);
     return;
@@ -364,15 +325,13 @@ Json ParseSetting(const std::string& text)
 /// The value of a setting: a text stays one even where it looks like a number.
 Json SettingAsJson(const SceneQuantity& quantity, const std::vector<std::string>& values)
 {
-  const bool isList = quantity.Type == Kind::ListOfTexts || quantity.Type == Kind::Point ||
-    quantity.Type == Kind::Direction || quantity.Type == Kind::Edges;
+  const bool isText =
+    !IsNumeric(quantity.Type) && quantity.Type != Kind::Component && quantity.Type != Kind::Flag;
   const auto asJson = [&](const std::string& text)
-  { return quantity.Type == Kind::ListOfTexts ? Json(text) : ParseSetting(text); };
-  if (!isList)
+  { return isText ? Json(text) : ParseSetting(text); };
+  if (quantity.Count == 1)
   {
-    const bool isText = quantity.Type == Kind::Text || quantity.Type == Kind::Word ||
-      quantity.Type == Kind::File || quantity.Type == Kind::FileOrName;
-    return isText ? Json(values.front()) : ParseSetting(values.front());
+    return asJson(values.front());
   }
   if (values.size() == 1 && values.front().starts_with('['))
   {
@@ -448,16 +407,17 @@ void SetQuantity(const SceneSetting& setting, SceneDescription& description)
   const SceneRow* row = FindRow(setting.Key);
   const std::size_t dot = std::min(setting.Key.find('.'), setting.Key.size());
   const SceneRow* byMaterial = row ? nullptr : FindRow(setting.Key.substr(0, dot));
-  if (byMaterial && dot + 1 < setting.Key.size())
+  if (byMaterial && byMaterial->Quantity.IsByMaterial && dot + 1 < setting.Key.size())
   {
-    const SceneQuantity quantity = OfOneMaterial(byMaterial->Quantity);
+    SceneQuantity quantity = byMaterial->Quantity;
+    quantity.IsByMaterial = false;
+    const Json value = SettingAsJson(quantity, setting.Values);
     byMaterial->Set(description,
-      { { setting.Key.substr(dot + 1),
-        ToPlainValue(quantity, SettingAsJson(quantity, setting.Values), { setting.Name }) } });
+      { { setting.Key.substr(dot + 1), ToPlain(quantity, value, { setting.Name }) } });
     description.Keys.push_back(setting.Key);
     return;
   }
-  if (!row || row->Quantity.Type == Kind::ListOfSamples || row->Quantity.Key == "unit")
+  if (!row || row->Quantity.Type == Kind::Sample || row->Quantity.Key == "unit")
   {
     std::vector<std::string> known;
     for (const SceneRow& other : SceneRows())
@@ -521,8 +481,8 @@ std::string WriteScene(const SceneDescription& description)
   for (const SceneRow& row : SceneRows())
   {
     const SceneQuantity& quantity = row.Quantity;
-    Json value = quantity.Type == Kind::ListOfSamples ? SamplesAsJson(description.Samples)
-                                                      : row.Get(description);
+    Json value =
+      quantity.Type == Kind::Sample ? SamplesAsJson(description.Samples) : row.Get(description);
     const bool isEmpty = value.is_null() ||
       (!value.is_number() && !value.is_boolean() && value.empty()) || value == "";
     if (isEmpty || (!description.Has(quantity.Key) && value == row.Get(defaults)))

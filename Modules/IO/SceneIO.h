@@ -93,6 +93,8 @@ struct SceneQuantity
     /// In the unit of the scene; limits are mm.
     Length,
     WholeNumber,
+    /// A component of a vector of any length but 0.
+    Component,
     Flag,
     Word,
     Text,
@@ -100,16 +102,7 @@ struct SceneQuantity
     File,
     /// A file, or the name of a shipped one.
     FileOrName,
-    ListOfTexts,
-    /// Three lengths.
-    Point,
-    /// Three numbers of any scale.
-    Direction,
-    /// Two lengths.
-    Edges,
-    TextsByMaterial,
-    NumbersByMaterial,
-    ListOfSamples
+    Sample
   };
   /// How often people set it by hand: programs offer the others in files alone.
   enum class Use
@@ -125,12 +118,15 @@ struct SceneQuantity
   std::string Help;
   /// Unit of numbers, or form of texts: "keV", "MATERIAL:MM".
   std::string Unit = "";
-  /// Range of numbers and absolute limit of coordinates.
+  /// Range of numbers.
   double Least = 0;
   double Most = 0;
   std::vector<std::string> Words = {};
   Use IsSet = Use::Rare;
-
+  /// Number of values in a list; 1: a single value; 0: a list of one or more.
+  std::size_t Count = 1;
+  /// Whether there is one for each of some materials, by their names.
+  bool IsByMaterial = false;
   /// That of SceneDescription; empty: none.
   std::string Default = "";
 };

@@ -128,14 +128,26 @@ SceneQuantity Whole(const std::string& key, double least, double most, const std
 
 /// `form`: what help shows in place of a type.
 SceneQuantity Other(Kind kind, const std::string& key, const std::string& form,
-  const std::string& help, Use use = Use::Rare)
+  const std::string& help, Use use = Use::Rare, std::size_t count = 1)
 {
-  return { key, kind, help, form, 0, 0, {}, use };
+  return { key, kind, help, form, 0, 0, {}, use, count };
+}
+
+SceneQuantity DirectionOf(const std::string& key, const std::string& help)
+{
+  return { key, Kind::Component, help, "X Y Z", -1e6, 1e6, {}, Use::Expert, 3 };
 }
 
 SceneQuantity PointOf(const std::string& key, const std::string& help)
 {
-  return { key, Kind::Point, help, "X Y Z", -MostCoordinateMm, MostCoordinateMm, {}, Use::Expert };
+  return { key, Kind::Length, help, "X Y Z", -MostCoordinateMm, MostCoordinateMm, {}, Use::Expert,
+    3 };
+}
+
+SceneQuantity ByMaterial(SceneQuantity quantity)
+{
+  quantity.IsByMaterial = true;
+  return quantity;
 }
 
 std::vector<SceneRow> SubjectRows()
@@ -155,20 +167,21 @@ std::vector<SceneRow> SubjectRows()
     Row(Other(Kind::FileOrName, "materials", "",
           "material table: .json or a shipped one's name (victre, segment, ...)", Use::Daily),
       MEMBER(Materials)),
-    Row(Other(Kind::TextsByMaterial, "attenuations", "",
+    Row(ByMaterial(Other(Kind::Text, "attenuations", "",
           "other attenuations of the table's materials by their names, { \"gland\": \"H2O@1.04\" "
           "}\n(a shipped table's name, a NIST compound, a formula or mass fractions; with a "
-          "density in g/cm3)"),
+          "density in g/cm3)")),
       MEMBER(Attenuations)),
-    Row({ "iodine", Kind::NumbersByMaterial, "iodine that they have taken up, { \"gland\": 2 }",
-          "mg/ml", 0, 500 },
+    Row(ByMaterial(
+          Number("iodine", "mg/ml", 0, 500, "iodine that they have taken up, { \"gland\": 2 }")),
       MEMBER(IodineMgPerMl)),
-    MakeRow(Other(Kind::ListOfSamples, "samples", "",
-              "closed surfaces in place of a mesh: a list of objects (below)"),
+    MakeRow(Other(Kind::Sample, "samples", "",
+              "closed surfaces in place of a mesh: a list of objects (below)", Use::Rare, 0),
       unused, none),
-    Row(Other(Kind::ListOfTexts, "overlap-priority", "MATERIAL",
+    Row(Other(Kind::Text, "overlap-priority", "MATERIAL",
           "materials by name: where parts overlap, the first of them that is there "
-          "counts\n(others follow in the table's order; without it each part counts)"),
+          "counts\n(others follow in the table's order; without it each part counts)",
+          Use::Rare, 0),
       MEMBER(OverlapPriority)),
   };
 }
@@ -189,10 +202,10 @@ std::vector<SceneRow> BeamRows()
     Row(tube, MEMBER(Tube.Anode)),
     Row(Number("beam.kvp", "kV", 18, 42, "voltage of the tube", Use::Daily),
       MEMBER(Tube.KilovoltagePeak)),
-    Row(Other(Kind::ListOfTexts, "beam.filter", "MATERIAL:MM",
+    Row(Other(Kind::Text, "beam.filter", "MATERIAL:MM",
           "a layer that all photons pass, once for each\n(MATERIAL[@DENSITY]:MM of an element, a "
           "formula or a NIST compound, 'Air, Dry (near sea level):600')",
-          Use::Daily),
+          Use::Daily, 0),
       MEMBER(Filters)),
   };
 }
@@ -220,12 +233,13 @@ std::vector<SceneRow> SourceRows()
   return {
     SourceRow(PointOf("source.position", "of a point source; without it the mammography unit's"),
       XRaySource::Kind::Point, &XRaySource::Position),
-    SourceRow(Other(Kind::Direction, "source.beam-direction", "X Y Z",
-                "instead, parallel X-rays that travel in this direction", Use::Expert),
+    SourceRow(DirectionOf("source.beam-direction",
+                "instead, parallel X-rays that travel in this direction"),
       XRaySource::Kind::Parallel, &XRaySource::Direction),
     MakeRow(
-      { "source.focal-spot", Kind::Edges,
-        "edges of the focal spot along the detector's columns and rows; 0: a point", "mm", 0, 100 },
+      { "source.focal-spot", Kind::Length,
+        "edges of the focal spot along the detector's columns and rows; 0: a point", "mm", 0, 100,
+        {}, Use::Rare, 2 },
       [](SceneDescription& scene, const Json& edges)
       {
         edges[0].get_to(scene.Fixed.Detection.FocalSpotColumnMm);
@@ -274,7 +288,7 @@ std::vector<SceneRow> SourceRows()
 SceneRow StepRow(const std::string& key, const std::string& help, Vector3 XRayDetector::*step)
 {
   return MakeRow(
-    Other(Kind::Direction, key, "X Y Z", help, Use::Expert),
+    DirectionOf(key, help),
     [step](SceneDescription& scene, const Json& value)
     {
       const auto direction = value.get<Vector3>();
