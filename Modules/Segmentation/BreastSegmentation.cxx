@@ -7,7 +7,6 @@
 #include "Private/Masks.h"
 #include "Private/Outline.h"
 #include "Private/Plausibility.h"
-#include "Private/SegmentationChecks.h"
 #include "Private/Thresholds.h"
 #include "Private/Valley.h"
 #include "mammoray/Foundation/Error.h"
@@ -53,18 +52,6 @@ constexpr double FatDarkSupport = 0.35;
 bool IsMuscle(double level, bool fatBright)
 {
   return fatBright ? level <= BrightestMuscle : level >= DarkestSuppressedMuscle;
-}
-
-/// A mask of the voxels for which `accept(index)` is true.
-template <typename Accept>
-MaskImage::Pointer Select(const itk::ImageBase<3>& grid, Accept accept)
-{
-  auto mask = MakeLike<MaskImage>(grid, 0);
-  for (std::size_t voxel = 0; voxel < CountOf(grid); ++voxel)
-  {
-    mask->GetBufferPointer()[voxel] = accept(voxel) ? 1 : 0;
-  }
-  return mask;
 }
 
 /// One of the images of the body, in patient order.
@@ -122,7 +109,7 @@ private:
   template <typename Accept>
   MaskImage::Pointer Select(Accept accept) const
   {
-    return mammoray::Select(this->Grid(), accept);
+    return MakeFrom<MaskImage>(this->Grid(), accept);
   }
   std::size_t Column(std::size_t voxel) const
   {
@@ -648,10 +635,7 @@ private:
   double RimMm;
   int Breasts = 0;
 };
-}
 
-namespace
-{
 SegmentationResult Segment(const IntensityVolume& image, const IntensityVolume* fatSuppressed,
   const SegmentationOptions& options, const ProgressCallback& progress)
 {

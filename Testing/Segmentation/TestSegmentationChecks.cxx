@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
-#include "mammoray/Segmentation/Private/SegmentationChecks.h"
+#include "mammoray/Segmentation/Private/Plausibility.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

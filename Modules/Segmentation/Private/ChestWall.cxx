@@ -338,25 +338,20 @@ private:
       this->Aggregate(costs, total, this->Column(x, 0), columns, rows);
       this->Aggregate(costs, total, this->Column(x, rows - 1), -columns, rows);
     }
-    auto heights = HeightMap::New();
-    heights->CopyInformation(this->Skin);
-    heights->SetRegions(this->Skin->GetLargestPossibleRegion());
-    heights->Allocate();
-    for (std::size_t column = 0; column < heights->GetBufferedRegion().GetNumberOfPixels();
-         ++column)
-    {
-      // Each direction has counted the column's own cost.
-      float* sum = total.Column(column);
-      const float* own = costs.Column(column);
-      int best = 0;
-      for (int y = 0; y < costs.Heights; ++y)
+    return MakeFrom<HeightMap>(*this->Skin,
+      [&](std::size_t column)
       {
-        sum[y] -= 3 * own[y];
-        best = sum[y] < sum[best] ? y : best;
-      }
-      heights->GetBufferPointer()[column] = static_cast<float>(best * this->StepMm);
-    }
-    return heights;
+        // Each direction has counted the column's own cost.
+        float* sum = total.Column(column);
+        const float* own = costs.Column(column);
+        int best = 0;
+        for (int y = 0; y < costs.Heights; ++y)
+        {
+          sum[y] -= 3 * own[y];
+          best = sum[y] < sum[best] ? y : best;
+        }
+        return best * this->StepMm;
+      });
   }
 
   float StepAt(std::size_t column, double heightMm) const
@@ -370,39 +365,30 @@ private:
   /// Confidence of each height: the square of the step as a fraction of 0.5.
   HeightMap::Pointer Weights(const HeightMap* heights, float least) const
   {
-    auto weights = HeightMap::New();
-    weights->CopyInformation(heights);
-    weights->SetRegions(heights->GetLargestPossibleRegion());
-    weights->Allocate();
-    for (std::size_t column = 0; column < heights->GetBufferedRegion().GetNumberOfPixels();
-         ++column)
-    {
-      const float step =
-        std::min(1.0f, 2 * this->StepAt(column, heights->GetBufferPointer()[column]));
-      weights->GetBufferPointer()[column] =
-        this->Skin->GetBufferPointer()[column] > 0 ? std::max(least, step * step) : 0.0f;
-    }
-    return weights;
+    return MakeFrom<HeightMap>(*heights,
+      [&](std::size_t column)
+      {
+        const float step =
+          std::min(1.0f, 2 * this->StepAt(column, heights->GetBufferPointer()[column]));
+        return this->Skin->GetBufferPointer()[column] > 0 ? std::max(least, step * step) : 0.0f;
+      });
   }
 
   void MeasureSteps(ChestWallSheet& sheet) const
   {
-    sheet.Steps = HeightMap::New();
-    sheet.Steps->CopyInformation(sheet.Front);
-    sheet.Steps->SetRegions(sheet.Front->GetLargestPossibleRegion());
-    sheet.Steps->Allocate();
     std::vector<float> steps;
-    for (std::size_t column = 0; column < sheet.Front->GetBufferedRegion().GetNumberOfPixels();
-         ++column)
-    {
-      const float height = sheet.Front->GetBufferPointer()[column];
-      sheet.Steps->GetBufferPointer()[column] = this->StepAt(column, height);
-      if (this->Skin->GetBufferPointer()[column] > height + BreastMm)
+    sheet.Steps = MakeFrom<HeightMap>(*sheet.Front,
+      [&](std::size_t column)
       {
-        steps.push_back(sheet.Steps->GetBufferPointer()[column]);
-        sheet.Support += std::min<double>(steps.back(), LargestLogStep);
-      }
-    }
+        const float height = sheet.Front->GetBufferPointer()[column];
+        const float step = this->StepAt(column, height);
+        if (this->Skin->GetBufferPointer()[column] > height + BreastMm)
+        {
+          steps.push_back(step);
+          sheet.Support += std::min<double>(step, LargestLogStep);
+        }
+        return step;
+      });
     sheet.Step = steps.empty() ? 0.0 : Quantile(steps, 0.5);
     sheet.LargeStep = steps.empty() ? 0.0 : Quantile(steps, 0.9);
   }
@@ -525,22 +511,19 @@ std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
 FloatImage::Pointer LogChannel(const FloatImage* image, const MaskImage* body, double floor,
   bool fatBright)
 {
-  auto log = MakeLike<FloatImage>(*image, 0.0f);
-  const std::size_t count = log->GetBufferedRegion().GetNumberOfPixels();
   const double sign = fatBright ? 1.0 : -1.0;
-  for (std::size_t voxel = 0; voxel < count; ++voxel)
-  {
-    const double value = std::max(0.0f, image->GetBufferPointer()[voxel]);
-    log->GetBufferPointer()[voxel] =
-      body->GetBufferPointer()[voxel] ? static_cast<float>(sign * std::log(value + floor)) : 0.0f;
-  }
-  log = GaussianMean<FloatImage>(log, 2.0);
+  const FloatImage::Pointer log = GaussianMean<FloatImage>(
+    MakeFrom<FloatImage>(*image,
+      [&](std::size_t voxel)
+      {
+        const double value = std::max(0.0f, image->GetBufferPointer()[voxel]);
+        return body->GetBufferPointer()[voxel] ? sign * std::log(value + floor) : 0.0;
+      }),
+    2.0);
   const FloatImage::Pointer share = GaussianMean<FloatImage>(ToFloat(body), 2.0);
-  for (std::size_t voxel = 0; voxel < count; ++voxel)
-  {
-    log->GetBufferPointer()[voxel] /= std::max(1e-3f, share->GetBufferPointer()[voxel]);
-  }
-  return log;
+  return MakeFrom<FloatImage>(*image,
+    [&](std::size_t voxel)
+    { return log->GetBufferPointer()[voxel] / std::max(1e-3f, share->GetBufferPointer()[voxel]); });
 }
 
 ChestWallSheet FindChestWall(const std::vector<FloatImage::Pointer>& channels,

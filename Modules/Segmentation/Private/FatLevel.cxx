@@ -122,22 +122,21 @@ FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, fl
   {
     values[cubeOf(region.BlockOf[n])].push_back(region.Logs[n]);
   }
-  auto sums = MakeLike<FloatImage>(*region.Blocks, 0.0f);
-  auto weights = MakeLike<FloatImage>(*region.Blocks, 0.0f);
   std::vector<float> levels(values.size(), 0.0f);
+  std::vector<float> counts(values.size(), 0.0f);
   for (std::size_t cube = 0; cube < values.size(); ++cube)
   {
-    levels[cube] = values[cube].size() < EnoughVoxels ? 0.0f : Quantile(values[cube], quantile);
+    if (values[cube].size() >= EnoughVoxels)
+    {
+      levels[cube] = static_cast<float>(Quantile(values[cube], quantile));
+      counts[cube] = static_cast<float>(values[cube].size());
+    }
   }
-  for (std::size_t block = 0; block < CountOf(*sums); ++block)
-  {
-    const std::size_t cube = cubeOf(block);
-    const float count =
-      values[cube].size() < EnoughVoxels ? 0.0f : static_cast<float>(values[cube].size());
-    sums->GetBufferPointer()[block] = count * levels[cube];
-    weights->GetBufferPointer()[block] = count;
-  }
-  return WeightedMean(sums, weights, CoarseMm, whole);
+  return WeightedMean(MakeFrom<FloatImage>(*region.Blocks,
+                        [&](std::size_t block)
+                        { return counts[cubeOf(block)] * levels[cubeOf(block)]; }),
+    MakeFrom<FloatImage>(*region.Blocks, [&](std::size_t block) { return counts[cubeOf(block)]; }),
+    CoarseMm, whole);
 }
 }
 
@@ -193,13 +192,12 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
 
 FloatImage::Pointer Divide(const FloatImage* image, const FloatImage* level)
 {
-  auto ratio = MakeLike<FloatImage>(*image, 0.0f);
-  for (std::size_t voxel = 0; voxel < CountOf(*image); ++voxel)
-  {
-    ratio->GetBufferPointer()[voxel] = image->GetBufferPointer()[voxel] /
-      std::max(std::numeric_limits<float>::min(), level->GetBufferPointer()[voxel]);
-  }
-  return ratio;
+  return MakeFrom<FloatImage>(*image,
+    [&](std::size_t voxel)
+    {
+      return image->GetBufferPointer()[voxel] /
+        std::max(std::numeric_limits<float>::min(), level->GetBufferPointer()[voxel]);
+    });
 }
 
 FloatImage::Pointer Fatness(const FloatImage* image, const MaskImage* tissue, double muscleLevel,
@@ -208,13 +206,12 @@ FloatImage::Pointer Fatness(const FloatImage* image, const MaskImage* tissue, do
   // Keep the level away from fat, so that noise does not decide.
   const double muscle =
     fatBright ? std::min(muscleLevel, BrightestMuscle) : std::max(muscleLevel, DarkestMuscle);
-  auto fatness = MakeLike<FloatImage>(*image, 0.0f);
-  for (std::size_t voxel = 0; voxel < CountOf(*fatness); ++voxel)
-  {
-    const double share = (image->GetBufferPointer()[voxel] - muscle) / (1 - muscle);
-    fatness->GetBufferPointer()[voxel] =
-      tissue->GetBufferPointer()[voxel] ? static_cast<float>(std::clamp(share, 0.0, 1.0)) : 0.0f;
-  }
+  const FloatImage::Pointer fatness = MakeFrom<FloatImage>(*image,
+    [&](std::size_t voxel)
+    {
+      const double share = (image->GetBufferPointer()[voxel] - muscle) / (1 - muscle);
+      return tissue->GetBufferPointer()[voxel] ? std::clamp(share, 0.0, 1.0) : 0.0;
+    });
   return GaussianMean<FloatImage>(fatness, 1.0);
 }
 }

@@ -99,13 +99,28 @@ typename Image::Pointer GaussianMean(const Image* image, double sigmaMm)
 
 /// An image on the same grid, filled with `value`.
 template <typename Image>
-typename Image::Pointer MakeLike(const itk::ImageBase<3>& grid, typename Image::PixelType value)
+typename Image::Pointer MakeLike(const itk::ImageBase<Image::ImageDimension>& grid,
+  typename Image::PixelType value)
 {
   auto image = Image::New();
   image->CopyInformation(&grid);
   image->SetRegions(grid.GetLargestPossibleRegion());
   image->Allocate();
   image->FillBuffer(value);
+  return image;
+}
+
+/// An image on the same grid with valueAt(index in the buffer) at every pixel.
+template <typename Image, typename ValueAt>
+typename Image::Pointer MakeFrom(const itk::ImageBase<Image::ImageDimension>& grid,
+  const ValueAt& valueAt)
+{
+  auto image = MakeLike<Image>(grid, 0);
+  const std::size_t count = grid.GetLargestPossibleRegion().GetNumberOfPixels();
+  for (std::size_t pixel = 0; pixel < count; ++pixel)
+  {
+    image->GetBufferPointer()[pixel] = static_cast<typename Image::PixelType>(valueAt(pixel));
+  }
   return image;
 }
 }

@@ -23,26 +23,11 @@ ComponentImage::Pointer FindComponents(const MaskImage* mask, std::size_t smalle
   return relabel->GetOutput();
 }
 
-namespace
-{
-/// The voxels whose component `accept` selects.
-template <typename Accept>
-MaskImage::Pointer KeepComponents(const ComponentImage* components, Accept accept)
-{
-  auto kept = MakeLike<MaskImage>(*components, 0);
-  const std::size_t count = components->GetBufferedRegion().GetNumberOfPixels();
-  for (std::size_t voxel = 0; voxel < count; ++voxel)
-  {
-    const unsigned component = components->GetBufferPointer()[voxel];
-    kept->GetBufferPointer()[voxel] = component != 0 && accept(component) ? 1 : 0;
-  }
-  return kept;
-}
-}
-
 MaskImage::Pointer LargestComponent(const MaskImage* mask)
 {
-  return KeepComponents(FindComponents(mask, 0), [](unsigned component) { return component == 1; });
+  const ComponentImage::Pointer components = FindComponents(mask, 0);
+  return MakeFrom<MaskImage>(*mask,
+    [&](std::size_t voxel) { return components->GetBufferPointer()[voxel] == 1; });
 }
 
 MaskImage::Pointer ReachedFromFront(const MaskImage* mask)
@@ -57,19 +42,15 @@ MaskImage::Pointer ReachedFromFront(const MaskImage* mask)
       atFront.insert(components->GetPixel({ { x, size[1] - 1, z } }));
     }
   }
-  return KeepComponents(components,
-    [&](unsigned component) { return atFront.count(component) > 0; });
+  atFront.erase(0);
+  return MakeFrom<MaskImage>(*mask,
+    [&](std::size_t voxel) { return atFront.count(components->GetBufferPointer()[voxel]) > 0; });
 }
 
 MaskImage::Pointer Complement(const MaskImage* mask)
 {
-  auto other = MakeLike<MaskImage>(*mask, 0);
-  const std::size_t count = mask->GetBufferedRegion().GetNumberOfPixels();
-  for (std::size_t voxel = 0; voxel < count; ++voxel)
-  {
-    other->GetBufferPointer()[voxel] = mask->GetBufferPointer()[voxel] ? 0 : 1;
-  }
-  return other;
+  return MakeFrom<MaskImage>(*mask,
+    [&](std::size_t voxel) { return mask->GetBufferPointer()[voxel] == 0; });
 }
 
 namespace

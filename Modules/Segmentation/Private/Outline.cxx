@@ -55,6 +55,28 @@ FloatImage::Pointer NeighbourVariance(const FloatImage* image)
   return variance;
 }
 
+/// Gaussian sums of values over the voxels that count, and of these voxels.
+class MeanOver
+{
+public:
+  template <typename Counts, typename ValueAt>
+  MeanOver(const FloatImage& grid, double reachMm, const Counts& counts, const ValueAt& valueAt)
+    : Sums(GaussianMean<FloatImage>(
+        MakeFrom<FloatImage>(grid, [&](std::size_t n) { return counts(n) ? valueAt(n) : 0.0f; }),
+        reachMm))
+    , Weights(GaussianMean<FloatImage>(
+        MakeFrom<FloatImage>(grid, [&](std::size_t n) { return counts(n) ? 1.0f : 0.0f; }),
+        reachMm))
+  {
+  }
+  float Sum(std::size_t n) const { return this->Sums->GetBufferPointer()[n]; }
+  float Weight(std::size_t n) const { return this->Weights->GetBufferPointer()[n]; }
+
+private:
+  FloatImage::Pointer Sums;
+  FloatImage::Pointer Weights;
+};
+
 /// Mean of the noise near every block; 0 without noise. `threshold` separates air and tissue.
 FloatImage::Pointer NoiseLevel(const FloatImage* image, double threshold)
 {
@@ -75,37 +97,24 @@ FloatImage::Pointer NoiseLevel(const FloatImage* image, double threshold)
     }
   }
   const double air = ofAir.size() > 50 ? Quantile(ofAir, 0.5) : 1.91;
-  auto sums = MakeLike<FloatImage>(*mean, 0.0f);
-  auto weights = MakeLike<FloatImage>(*mean, 0.0f);
-  for (std::size_t n = 0; n < count; ++n)
+  const auto isNoise = [&](std::size_t n)
   {
     const float value = mean->GetBufferPointer()[n];
-    const bool noise = ratios[n] > LowestRatio * air && ratios[n] < HighestRatio * air &&
+    return ratios[n] > LowestRatio * air && ratios[n] < HighestRatio * air &&
       value < 2.5 * threshold && value > 0.02 * threshold;
-    sums->GetBufferPointer()[n] = noise ? value : 0.0f;
-    weights->GetBufferPointer()[n] = noise ? 1.0f : 0.0f;
-  }
-  sums = GaussianMean<FloatImage>(sums, NoiseReachMm);
-  weights = GaussianMean<FloatImage>(weights, NoiseReachMm);
-  for (std::size_t n = 0; n < count; ++n)
-  {
-    // Less than 1 % of a full weight is rounding error.
-    const float weight = weights->GetBufferPointer()[n];
-    sums->GetBufferPointer()[n] =
-      std::max(0.0f, sums->GetBufferPointer()[n]) / std::max(0.01f, weight);
-  }
-  return sums;
+  };
+  const MeanOver noise(*mean, NoiseReachMm, isNoise,
+    [&](std::size_t n) { return mean->GetBufferPointer()[n]; });
+  // Less than 1 % of a full weight is rounding error.
+  return MakeFrom<FloatImage>(*mean,
+    [&](std::size_t n) { return std::max(0.0f, noise.Sum(n)) / std::max(0.01f, noise.Weight(n)); });
 }
 
 MaskImage::Pointer Below(const FloatImage* image, const FloatImage* threshold)
 {
-  auto below = MakeLike<MaskImage>(*image, 0);
-  for (std::size_t voxel = 0; voxel < CountOf(*image); ++voxel)
-  {
-    below->GetBufferPointer()[voxel] =
-      image->GetBufferPointer()[voxel] < threshold->GetBufferPointer()[voxel] ? 1 : 0;
-  }
-  return below;
+  return MakeFrom<MaskImage>(*image,
+    [&](std::size_t voxel)
+    { return image->GetBufferPointer()[voxel] < threshold->GetBufferPointer()[voxel]; });
 }
 
 /// The body without parts connected by a thin bridge.
@@ -114,15 +123,15 @@ MaskImage::Pointer WithoutBridges(const MaskImage* body)
   const double voxelMm = body->GetSpacing()[0];
   const MaskImage::Pointer core = LargestComponent(Open(body, BridgeMm));
   const MaskImage::Pointer near = Dilate(core, BridgeMm + voxelMm);
-  auto kept = MakeLike<MaskImage>(*body, 0);
   bool any = false;
-  for (std::size_t voxel = 0; voxel < CountOf(*body); ++voxel)
-  {
-    kept->GetBufferPointer()[voxel] =
-      body->GetBufferPointer()[voxel] && near->GetBufferPointer()[voxel] ? 1 : 0;
-    any = any || kept->GetBufferPointer()[voxel];
-  }
-  return any ? LargestComponent(kept) : LargestComponent(body);
+  const MaskImage::Pointer kept = MakeFrom<MaskImage>(*body,
+    [&](std::size_t voxel)
+    {
+      const bool in = body->GetBufferPointer()[voxel] && near->GetBufferPointer()[voxel];
+      any = any || in;
+      return in;
+    });
+  return LargestComponent(any ? kept.GetPointer() : body);
 }
 
 /// Otsu's threshold of the logarithm.
@@ -177,23 +186,15 @@ FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work
   constexpr double reachMm = 5.0;
   const float half = fatBright ? 0.25f : 0.55f;
   const MaskImage::Pointer core = Complement(Dilate(Complement(outline.Body), rimMm));
-  auto sums = MakeLike<FloatImage>(*work, 0.0f);
-  auto weights = MakeLike<FloatImage>(*work, 0.0f);
-  for (std::size_t voxel = 0; voxel < CountOf(*work); ++voxel)
-  {
-    const bool rim = outline.Body->GetBufferPointer()[voxel] && !core->GetBufferPointer()[voxel];
-    sums->GetBufferPointer()[voxel] = rim ? work->GetBufferPointer()[voxel] : 0.0f;
-    weights->GetBufferPointer()[voxel] = rim ? 1.0f : 0.0f;
-  }
-  sums = GaussianMean<FloatImage>(sums, reachMm);
-  weights = GaussianMean<FloatImage>(weights, reachMm);
-  for (std::size_t voxel = 0; voxel < CountOf(*work); ++voxel)
-  {
-    const float weight = weights->GetBufferPointer()[voxel];
-    const float rim = weight > 1e-3f ? sums->GetBufferPointer()[voxel] / weight : 0.0f;
-    sums->GetBufferPointer()[voxel] =
-      std::max(outline.Threshold->GetBufferPointer()[voxel], half * rim);
-  }
-  return sums;
+  const auto inRim = [&](std::size_t voxel)
+  { return outline.Body->GetBufferPointer()[voxel] && !core->GetBufferPointer()[voxel]; };
+  const MeanOver rim(*work, reachMm, inRim,
+    [&](std::size_t voxel) { return work->GetBufferPointer()[voxel]; });
+  return MakeFrom<FloatImage>(*work,
+    [&](std::size_t voxel)
+    {
+      const float mean = rim.Weight(voxel) > 1e-3f ? rim.Sum(voxel) / rim.Weight(voxel) : 0.0f;
+      return std::max(outline.Threshold->GetBufferPointer()[voxel], half * mean);
+    });
 }
 }

@@ -148,16 +148,6 @@ private:
   Values Weights;
   double Stiffness;
 };
-
-HeightMap::Pointer EmptyLike(const HeightMap* map)
-{
-  auto empty = HeightMap::New();
-  empty->CopyInformation(map);
-  empty->SetRegions(map->GetLargestPossibleRegion());
-  empty->Allocate();
-  empty->FillBuffer(0.0f);
-  return empty;
-}
 }
 
 HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, double wavelengthMm)
@@ -195,7 +185,7 @@ HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, 
   const double stiffness = std::pow(wavelengthMm / (2 * std::numbers::pi * fineMm * block), 4.0);
   const PlateEquations equations(cells, cellRows, sums, stiffness);
   const Values nodes = equations.Solve(right, Values(sums.size(), total > 0 ? sum / total : 0.0));
-  HeightMap::Pointer plate = EmptyLike(heights);
+  HeightMap::Pointer plate = MakeLike<HeightMap>(*heights, 0.0f);
   for (int z = 0; z < rows; ++z)
   {
     for (int x = 0; x < columns; ++x)
@@ -249,7 +239,7 @@ HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weig
   }
   const Terms found =
     vnl_cholesky(normal.as_matrix(), vnl_cholesky::quiet).solve(right.as_vector());
-  HeightMap::Pointer paraboloid = EmptyLike(heights);
+  HeightMap::Pointer paraboloid = MakeLike<HeightMap>(*heights, 0.0f);
   for (int z = 0; z < rows; ++z)
   {
     for (int x = 0; x < columns; ++x)
@@ -260,22 +250,20 @@ HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weig
   return paraboloid;
 }
 
+namespace
+{
 HeightMap::Pointer FitCurvedPlate(const HeightMap* heights, const HeightMap* weights,
   double wavelengthMm)
 {
   const HeightMap::Pointer paraboloid = FitParaboloid(heights, weights);
-  HeightMap::Pointer rest = EmptyLike(heights);
-  for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
-  {
-    rest->GetBufferPointer()[n] =
-      heights->GetBufferPointer()[n] - paraboloid->GetBufferPointer()[n];
-  }
-  HeightMap::Pointer plate = FitPlate(rest, weights, wavelengthMm);
-  for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
-  {
-    plate->GetBufferPointer()[n] += paraboloid->GetBufferPointer()[n];
-  }
-  return plate;
+  const HeightMap::Pointer rest = MakeFrom<HeightMap>(*heights,
+    [&](std::size_t n)
+    { return heights->GetBufferPointer()[n] - paraboloid->GetBufferPointer()[n]; });
+  const HeightMap::Pointer plate = FitPlate(rest, weights, wavelengthMm);
+  return MakeFrom<HeightMap>(*heights,
+    [&](std::size_t n)
+    { return plate->GetBufferPointer()[n] + paraboloid->GetBufferPointer()[n]; });
+}
 }
 
 HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* weights,
@@ -287,16 +275,15 @@ HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* wei
                                      : FitCurvedPlate(heights, trusted, wavelengthMm);
   };
   HeightMap::Pointer plate = fit(weights);
-  HeightMap::Pointer trusted = EmptyLike(heights);
   for (const double scale : scalesMm)
   {
-    for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
-    {
-      const double r = (heights->GetBufferPointer()[n] - plate->GetBufferPointer()[n]) / scale;
-      const double trust = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0.0;
-      trusted->GetBufferPointer()[n] = static_cast<float>(weights->GetBufferPointer()[n] * trust);
-    }
-    plate = fit(trusted);
+    plate = fit(MakeFrom<HeightMap>(*heights,
+      [&](std::size_t n)
+      {
+        const double r = (heights->GetBufferPointer()[n] - plate->GetBufferPointer()[n]) / scale;
+        const double trust = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0.0;
+        return weights->GetBufferPointer()[n] * trust;
+      }));
   }
   return plate;
 }
