@@ -7,7 +7,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <utility>
 
 namespace mammoray
@@ -405,14 +404,10 @@ private:
     const int before = this->ExcessOf(touched);
     const auto contactsAt = [&]
     {
-      std::vector<std::set<std::array<std::int32_t, 2>>> at;
+      std::vector<Contacts> at;
       for (const std::int32_t point : touched)
       {
-        auto& found = at.emplace_back();
-        for (const EditableMesh::Arc& arc : this->Mesh.Arcs(point))
-        {
-          found.insert(arc.Materials);
-        }
+        at.push_back(FindContacts(this->Mesh, point));
       }
       return at;
     };
@@ -627,17 +622,15 @@ private:
   bool MayCollapse(std::int32_t from, std::int32_t to,
     const std::vector<EditableMesh::Arc>& arcs) const
   {
-    std::set<std::array<std::int32_t, 2>> pairs;
-    std::set<std::array<std::int32_t, 2>> joined;
+    Contacts joined;
     for (const EditableMesh::Arc& arc : arcs)
     {
-      pairs.insert(arc.Materials);
       if (arc.A == to || arc.B == to)
       {
         joined.insert(arc.Materials);
       }
     }
-    return pairs == joined && this->Mesh.IsSurrounded(from);
+    return FindContacts(this->Mesh, from) == joined && this->Mesh.IsSurrounded(from);
   }
 
   double InterfaceArea(std::int32_t point, const std::vector<EditableMesh::Arc>& arcs) const

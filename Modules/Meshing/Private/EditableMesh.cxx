@@ -2,59 +2,11 @@
 #include "Private/EditableMesh.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
+#include <tuple>
 
 namespace mammoray
 {
-namespace
-{
-/// A hash table from edges to numbers; clearing it does not visit its entries.
-class EdgeTable
-{
-public:
-  /// Makes room for this many edges.
-  void Clear(std::size_t most)
-  {
-    if (this->Entries.size() < 2 * most)
-    {
-      this->Entries.assign(std::bit_ceil(2 * most), {});
-      this->Round = 0;
-    }
-    ++this->Round;
-  }
-  /// The number of an edge, initially `fresh`.
-  std::size_t& Find(std::int32_t low, std::int32_t high, std::size_t fresh)
-  {
-    const std::size_t mask = this->Entries.size() - 1;
-    // Multiplicative hashing with the golden ratio.
-    const std::uint64_t key =
-      static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high);
-    std::size_t place = key * 0x9E3779B97F4A7C15u >> 32 & mask;
-    while (this->Entries[place].Round == this->Round && this->Entries[place].Key != key)
-    {
-      place = (place + 1) & mask;
-    }
-    Entry& entry = this->Entries[place];
-    if (entry.Round != this->Round)
-    {
-      entry = { key, this->Round, fresh };
-    }
-    return entry.Number;
-  }
-
-private:
-  struct Entry
-  {
-    std::uint64_t Key = 0;
-    std::uint64_t Round = 0;
-    std::size_t Number = 0;
-  };
-  std::vector<Entry> Entries;
-  std::uint64_t Round = 0;
-};
-}
-
 EditableMesh::EditableMesh(const TetrahedralMesh& mesh)
 {
   for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
@@ -127,37 +79,36 @@ std::vector<std::int32_t> EditableMesh::Neighbours(std::int32_t point) const
   return neighbours;
 }
 
-const std::vector<EditableMesh::Arc>& EditableMesh::LinkEdges(std::int32_t point) const
+std::vector<EditableMesh::Arc> EditableMesh::LinkEdges(std::int32_t point) const
 {
-  static thread_local std::vector<Arc> edges; // kept for speed
-  static thread_local EdgeTable table;
-  edges.clear();
-  table.Clear(3 * this->Star(point).size());
+  std::vector<Arc> sides;
+  sides.reserve(3 * this->Star(point).size());
   for (const std::int32_t cell : this->Star(point))
   {
     const Cell& around = (*this)[cell];
     std::array<std::int32_t, 3> link{};
-    std::size_t count = 0;
-    for (const std::int32_t id : around.Ids)
-    {
-      if (id != point)
-      {
-        link[count++] = id;
-      }
-    }
+    std::copy_if(around.Ids.begin(), around.Ids.end(), link.begin(),
+      [point](std::int32_t id) { return id != point; });
     for (std::size_t n = 0; n < 3; ++n)
     {
       const auto [low, high] = std::minmax(link[n], link[(n + 1) % 3]);
-      std::size_t& place = table.Find(low, high, edges.size());
-      if (place < edges.size() && edges[place].Materials[1] == Nothing)
-      {
-        edges[place].Materials[1] = around.Material;
-      }
-      else // a first side, or a third one as of cells that overlap
-      {
-        place = edges.size();
-        edges.push_back({ low, high, { around.Material, Nothing } });
-      }
+      sides.push_back({ low, high, { around.Material, Nothing } });
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+    [](const Arc& a, const Arc& b) { return std::tie(a.A, a.B) < std::tie(b.A, b.B); });
+  std::vector<Arc> edges;
+  edges.reserve(sides.size());
+  for (const Arc& side : sides)
+  {
+    if (!edges.empty() && edges.back().A == side.A && edges.back().B == side.B &&
+      edges.back().Materials[1] == Nothing)
+    {
+      edges.back().Materials[1] = side.Materials[0];
+    }
+    else // a first side, or a third one as of cells that overlap
+    {
+      edges.push_back(side);
     }
   }
   return edges;
@@ -176,15 +127,14 @@ std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
     }
   }
   std::sort(arcs.begin(), arcs.end(),
-    [](const Arc& a, const Arc& b) {
-      return a.A != b.A ? a.A < b.A : a.B != b.B ? a.B < b.B : a.Materials < b.Materials;
-    });
+    [](const Arc& a, const Arc& b)
+    { return std::tie(a.A, a.B, a.Materials) < std::tie(b.A, b.B, b.Materials); });
   return arcs;
 }
 
 bool EditableMesh::IsSurrounded(std::int32_t point) const
 {
-  const std::vector<Arc>& edges = this->LinkEdges(point);
+  const std::vector<Arc> edges = this->LinkEdges(point);
   return std::none_of(edges.begin(), edges.end(),
     [](const Arc& edge) { return edge.Materials[1] == Nothing; });
 }

@@ -94,19 +94,6 @@ std::vector<std::int32_t> MaterialsOf(const std::vector<EditableMesh::Arc>& arcs
   return materials;
 }
 
-/// Pairs of materials that meet around a point, the lower one first.
-using Contacts = std::set<std::pair<std::int32_t, std::int32_t>>;
-
-Contacts FindContacts(const EditableMesh& mesh, std::int32_t point)
-{
-  Contacts contacts;
-  for (const EditableMesh::Arc& arc : mesh.Arcs(point))
-  {
-    contacts.emplace(arc.Materials[0], arc.Materials[1]);
-  }
-  return contacts;
-}
-
 /// The other ends of a point's pinched edges.
 std::set<std::int32_t> PinchedEdges(const EditableMesh& mesh, std::int32_t point)
 {
@@ -379,7 +366,10 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   {
     return std::all_of(materials.begin(), materials.end(),
       [&](std::int32_t other)
-      { return other == material || contacts.count(std::minmax(material, other)) > 0; });
+      {
+        return other == material ||
+          contacts.count({ std::min(material, other), std::max(material, other) }) > 0;
+      });
   };
   const std::int32_t material = std::max_element(volumes.begin(), volumes.end(),
     [&](const auto& a, const auto& b) {
@@ -414,6 +404,16 @@ std::vector<std::int32_t> FindPinchedPoints(const EditableMesh& mesh,
   }
   return pinched;
 }
+}
+
+Contacts FindContacts(const EditableMesh& mesh, std::int32_t point)
+{
+  Contacts contacts;
+  for (const EditableMesh::Arc& arc : mesh.Arcs(point))
+  {
+    contacts.insert(arc.Materials);
+  }
+  return contacts;
 }
 
 int PinchExcess(const EditableMesh& mesh, std::int32_t point)

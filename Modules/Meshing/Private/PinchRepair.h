@@ -6,8 +6,16 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammorayMeshingModule.h"
 
+#include <array>
+#include <cstdint>
+#include <set>
+
 namespace mammoray
 {
+/// Pairs of materials that meet around a point, the lower one first.
+using Contacts = std::set<std::array<std::int32_t, 2>>;
+Contacts FindContacts(const EditableMesh& mesh, std::int32_t point);
+
 /**
  * Measures how far the boundaries of the materials around a point (including air) are from
  * manifolds. It adds, for every material, the closed curves beyond the first that its boundary cuts
