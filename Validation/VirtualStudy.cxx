@@ -5,7 +5,7 @@
 #include "SimulatedMammogram.h"
 #include "VirtualStudyFiles.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelEditing.h"

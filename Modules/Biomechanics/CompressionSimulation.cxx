@@ -2,7 +2,6 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 
 #include "Private/CompressionInternals.h"
-#include "Private/ForceSearch.h"
 #include "Private/LaggedFriction.h"
 #include "Private/LoadPath.h"
 #include "mammoray/Foundation/Error.h"
@@ -12,6 +11,8 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 
 namespace mammoray
@@ -20,6 +21,14 @@ namespace
 {
 /// Fraction of the largest load step that is used after a failed cold start.
 constexpr double SmallerLoadStep = 0.37;
+/// Relative tolerance of the force, largest change of the gap in one step, mm, and the smallest
+/// step, mm, towards more force before the search gives up.
+constexpr double ForceTolerance = 1e-4;
+constexpr double LargestForceStepMm = 5;
+constexpr double SmallestForceStepMm = 0.1;
+constexpr int MostForceSteps = 60;
+/// Fraction of the gap without contact at which the search begins.
+constexpr double FirstGap = 0.85;
 /// Progress [0, 1] that is reported when the plates are closed.
 constexpr double ClosedPart = 0.9;
 
@@ -42,35 +51,27 @@ std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& 
 
 void CheckOptions(const CompressionOptions& options)
 {
-  if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
-    options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
+  const auto need = [](bool good, double value, const char* expected)
   {
-    throw InputError("compression options: expected positive values");
-  }
-  if (!(options.Wall.Normal > 0) || !std::isfinite(options.Wall.Normal) ||
-    !(options.Wall.Tangential >= 0) || !std::isfinite(options.Wall.Tangential))
-  {
-    throw InputError("compression options: expected a positive stiffness across the chest wall and "
-                     "one of at least 0 along it, found " +
-      std::to_string(options.Wall.Normal) + " and " + std::to_string(options.Wall.Tangential) +
-      " kPa/mm");
-  }
-  if (!(options.SlidingStiffness > 0) || !std::isfinite(options.SlidingStiffness))
-  {
-    throw InputError("compression options: expected a positive stiffness along a sliding chest "
-                     "wall, found " +
-      std::to_string(options.SlidingStiffness) + " kPa/mm");
-  }
-  if (!(options.Friction >= 0) || !std::isfinite(options.Friction))
-  {
-    throw InputError(
-      "compression options: expected a coefficient of friction of at least 0, found " +
-      std::to_string(options.Friction));
-  }
-  if (!std::isfinite(Norm(options.GravityMPerS2)) || !std::isfinite(Norm(options.PullN)))
-  {
-    throw InputError("compression options: expected finite gravity and pull");
-  }
+    if (!good || !std::isfinite(value))
+    {
+      throw InputError(std::string("compression options: expected ") + expected + ", found " +
+        std::to_string(value));
+    }
+  };
+  need(options.ContactStiffness > 0, options.ContactStiffness, "a positive contact stiffness");
+  need(options.RelativeTolerance > 0, options.RelativeTolerance, "a positive tolerance");
+  need(options.MaximumNewtonSteps > 0, options.MaximumNewtonSteps, "at least one Newton step");
+  need(options.LargestLoadStep > 0, options.LargestLoadStep, "a positive load step");
+  need(options.Wall.Normal > 0, options.Wall.Normal,
+    "a positive stiffness across the chest wall, kPa/mm");
+  need(options.Wall.Tangential >= 0, options.Wall.Tangential,
+    "a stiffness along the chest wall of at least 0, kPa/mm");
+  need(options.SlidingStiffness > 0, options.SlidingStiffness,
+    "a positive stiffness along a sliding chest wall, kPa/mm");
+  need(options.Friction >= 0, options.Friction, "a coefficient of friction of at least 0");
+  need(true, Norm(options.GravityMPerS2), "finite gravity");
+  need(true, Norm(options.PullN), "a finite pull");
 }
 
 /// With friction the result depends on the path, so no initial guess may shortcut it.
@@ -178,8 +179,8 @@ double CompressionSimulation::StiffnessFactor() const
 PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
   const ProgressCallback& progress)
 {
-  const std::array<double, 2> opening =
-    this->Internal->Solver.Opening(this->Internal->SettledPositions(progress), plates);
+  const std::array<double, 2> opening = this->Internal->Solver.Energy().Contact().Opening(
+    this->Internal->SettledPositions(progress), plates);
   PlatePair opened = plates;
   opened.Support.Edge = plates.Support.Edge - opening[0] * plates.Support.Normal;
   opened.Paddle.Edge = plates.Paddle.Edge - opening[1] * plates.Paddle.Normal;
@@ -312,7 +313,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
     ? LoadPathStart::Warm(*start, plates, options)
     : LoadPathStart::Cold(internal.SettledPositions(progress), this->OpenedPlates(plates, progress),
         plates, options, loadStepFactor);
-  internal.Solver.SetLoads(internal.Loads(options.GravityMPerS2, options.PullN));
+  internal.Solver.Energy().SetLoads(internal.Loads(options.GravityMPerS2, options.PullN));
   LaggedFriction solver(internal.Solver, internal.Body, options.Friction, from.Positions,
     from.Plates, start ? start->Friction.get() : nullptr);
   // The path ends when contact is hardened, not when the plates are closed; 1 is reported below.
@@ -337,7 +338,8 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   internal.DrawAlong(state.Positions);
   if (options.Friction > 0)
   {
-    state.Friction = std::make_shared<const FrictionPoints>(internal.Solver.Friction());
+    state.Friction =
+      std::make_shared<const FrictionPoints>(internal.Solver.Energy().Friction().Points());
   }
   state.StiffnessFactor = internal.Factor;
   state.FactorMiB = internal.Solver.PeakFactorBytes() / (1 << 20);
@@ -394,15 +396,92 @@ std::vector<double> CompressionSimulation::ContactPressuresKPa(const Compression
     throw InputError("contact pressures: expected a state of this simulation");
   }
   this->Internal->Recall(state);
-  return this->Internal->Solver.ContactPressures(state.Positions, state.Plates);
+  EquilibriumEnergy& energy = this->Internal->Solver.Energy();
+  energy.SetPlates(&state.Plates);
+  return energy.Contact().NodePressures(state.Positions);
 }
 
 CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
   const PlatePairVelocity& closing, double forceN, const ProgressCallback& progress)
 {
+  const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
   CheckPlate(plates.Paddle, "paddle");
-  return FindForce(*this, this->Internal->Options.Friction > 0, plates, closing, forceN, progress);
+  const bool hasFriction = this->Internal->Options.Friction > 0;
+  const double speed = GapMm(plates) - GapMm(MovedPlates(plates, closing, 1));
+  if (!(forceN > 0) || !std::isfinite(forceN) || !(speed > 0))
+  {
+    throw InputError("compression: expected a positive force and a motion that closes the plates");
+  }
+  // `at` and the bracket are the closing of the gap from the given plates, mm.
+  const double open = GapMm(this->OpenedPlates(plates, progress));
+  double at = GapMm(plates) - FirstGap * open;
+  const auto platesAt = [&](double closed) { return MovedPlates(plates, closing, closed / speed); };
+  CompressionState state = this->Compress(platesAt(at), nullptr, progress);
+  double tooLittle = -std::numeric_limits<double>::infinity();
+  double tooMuch = std::numeric_limits<double>::infinity();
+  int newtonSteps = state.NewtonSteps;
+  int loadSteps = state.LoadSteps;
+  double allowed = LargestForceStepMm;
+  // With friction a state must not be reached from a more closed one: friction would point the
+  // other way.
+  std::optional<CompressionState> below;
+  for (int step = 0; std::abs(state.PaddleForceN / forceN - 1) > ForceTolerance; ++step)
+  {
+    (state.PaddleForceN < forceN ? tooLittle : tooMuch) = at;
+    if (hasFriction && state.PaddleForceN < forceN)
+    {
+      below = state;
+      tooMuch = std::numeric_limits<double>::infinity(); // on the way from another state
+    }
+    // The force grows faster than linearly with the closing; its logarithm is closer to linear.
+    double by = state.PaddleForceN < forceN ? allowed : -allowed;
+    if (state.PaddleForceN > 0)
+    {
+      const double rate = this->PaddleForceDerivative(state, closing) / speed;
+      const double wanted = std::log(forceN / state.PaddleForceN) * state.PaddleForceN / rate;
+      by = rate > 0 ? std::clamp(wanted, -allowed, allowed) : by;
+    }
+    if (!(at + by > tooLittle && at + by < tooMuch))
+    {
+      by = 0.5 * (tooLittle + tooMuch) - at;
+    }
+    std::string reason;
+    if (step == MostForceSteps)
+    {
+      reason = "not reached in " + std::to_string(step) + " steps";
+    }
+    else
+    {
+      try
+      {
+        const CompressionState* from = hasFriction ? (below ? &*below : nullptr) : &state;
+        state = this->Compress(platesAt(at + by), from, progress);
+        at += by;
+        newtonSteps += state.NewtonSteps;
+        loadSteps += state.LoadSteps;
+        continue;
+      }
+      catch (const CompressionError& error)
+      {
+        allowed = 0.5 * std::min(allowed, std::abs(by));
+        if (allowed > SmallestForceStepMm)
+        {
+          continue;
+        }
+        reason = "the plates cannot be closed farther";
+      }
+    }
+    char text[160];
+    std::snprintf(text, sizeof text,
+      "compression: expected a force of %.2f N, found %.2f N at the last gap, %.2f mm (%s)", forceN,
+      state.PaddleForceN, GapMm(state.Plates), reason.c_str());
+    throw CompressionError(text, GapMm(state.Plates), reason);
+  }
+  state.NewtonSteps = newtonSteps;
+  state.LoadSteps = loadSteps;
+  state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return state;
 }
 
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
@@ -440,7 +519,7 @@ std::size_t CompressionSimulation::NumberOfNodes() const
 
 std::size_t CompressionSimulation::NumberOfUnknowns() const
 {
-  return this->Internal->Solver.NumberOfUnknowns();
+  return this->Internal->Solver.Energy().Part().NumberOfUnknowns();
 }
 
 const std::vector<double>& CompressionSimulation::RestPositions() const

@@ -4,14 +4,13 @@
 
 #include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Biomechanics/Plates.h"
-#include "mammoray/Biomechanics/SimulationCells.h"
-#include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
-#include <cstdint>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +18,54 @@
 namespace mammoray
 {
 struct FrictionPoint;
+
+/// Means over the quadrature points of a deformed cell.
+struct CellMeasures
+{
+  /// det F: deformed volume divided by undeformed volume.
+  double J = 1;
+  /// Von Mises equivalent of the Cauchy stress, kPa.
+  double VonMisesKPa = 0;
+};
+
+/// Returns the material index at a position of the undeformed body (mm, frame of the mesh); 0 is
+/// outside.
+using MaterialField = std::function<int(const Vector3&)>;
+
+/// Returns true where the body continues at a position outside the mesh (mm, frame of the mesh).
+using BodyField = std::function<bool(const Vector3&)>;
+
+/// Interpolation of the displacement in a tetrahedron, and the cells that share one volume
+/// constraint.
+enum class ElementType
+{
+  /// Ten nodes; one volume constraint per cell, besides a weaker one at each quadrature point.
+  Quadratic,
+  /// Four nodes; one volume constraint per patch of about eight cells.
+  PatchAveragedLinear
+};
+
+/// How the breast is attached to the fixed materials.
+enum class ChestWallMode
+{
+  /// The nodes at the wall do not move.
+  Fixed,
+  /// The nodes slide along the surface of the fixed body and hardly leave it.
+  Sliding,
+  /// An elastic layer connects breast and wall.
+  Elastic
+};
+
+/// Stiffness of the layer between chest wall and breast: traction per displacement, kPa / mm.
+struct WallStiffness
+{
+  /// Across the wall, for leaving and entering it; positive.
+  double Normal = 0;
+  /// Along the wall; not negative.
+  double Tangential = 0;
+
+  bool operator==(const WallStiffness&) const = default;
+};
 
 struct CompressionOptions
 {
@@ -99,34 +146,40 @@ private:
 /// Distance from the face of the support to the paddle's edge, mm.
 MAMMORAYBIOMECHANICS_EXPORT double GapMm(const PlatePair& plates);
 
-/// A converged equilibrium.
-struct CompressionState
+/// Forces and measures of a set of node positions.
+struct EquilibriumMeasures
 {
-  /// Positions of the simulation nodes, 3 x nodeCount, mm.
-  std::vector<double> Positions;
-  /// The plates between which the body is in equilibrium.
-  PlatePair Plates;
   /// Force of the paddle on the breast along its normal, N (kPa mm^2 = 1e-3 N).
   double PaddleForceN = 0;
   double SupportForceN = 0;
-  /// Deepest penetration of a contact point into a plate, mm; at most PenetrationLimitMm(Plates).
+  /// Deepest penetration of a contact point into a plate, mm; at most PenetrationLimitMm(Plates) in
+  /// a CompressionState.
   double LargestPenetrationMm = 0;
-  /// Contact stiffness that was used, kPa / mm^2: that of the options, or more where the
-  /// penetration limit required it.
-  double ContactStiffness = 0;
   /// Smallest and largest det F over the quadrature points.
   double SmallestJ = 1;
   double LargestJ = 1;
   /// Deformed volume divided by undeformed volume.
   double VolumeRatio = 1;
-  /// Factor on all stiffness; see CompressionSimulation::StiffnessFactor.
-  double StiffnessFactor = 1;
   /// Norm of the residual force divided by the norm of the largest kind of force; compare
   /// CompressionOptions::RelativeTolerance.
   double RelativeResidual = 0;
   /// Largest distance that a node of the chest wall has moved across the wall and along it, mm.
   double LargestWallLiftMm = 0;
   double LargestWallGlideMm = 0;
+};
+
+/// A converged equilibrium.
+struct CompressionState : EquilibriumMeasures
+{
+  /// Positions of the simulation nodes, 3 x nodeCount, mm.
+  std::vector<double> Positions;
+  /// The plates between which the body is in equilibrium.
+  PlatePair Plates;
+  /// Contact stiffness that was used, kPa / mm^2: that of the options, or more where the
+  /// penetration limit required it.
+  double ContactStiffness = 0;
+  /// Factor on all stiffness; see CompressionSimulation::StiffnessFactor.
+  double StiffnessFactor = 1;
   /// Normal forces and anchors of friction in this state; null without friction.
   std::shared_ptr<const std::vector<FrictionPoint>> Friction;
   /// Newton steps and load steps of this simulation; those of a predictor are not counted.

@@ -2,6 +2,8 @@
 #ifndef mammoray_ElasticMaterial_h
 #define mammoray_ElasticMaterial_h
 
+#include "mammoray/Foundation/MaterialTable.h"
+
 #include <cmath>
 #include <vector>
 
@@ -36,6 +38,27 @@ struct ElasticMaterial
   }
 
   bool operator==(const ElasticMaterial&) const = default;
+};
+
+/// The mechanical part of a table of materials, one entry per material.
+struct ElasticTable
+{
+  std::vector<ElasticMaterial> Elastic;
+  /// True for materials that are fixed to the body and do not move.
+  std::vector<bool> Fixed;
+
+  ElasticTable() = default;
+  explicit ElasticTable(const MaterialTable& table)
+    : Fixed(table.Fixed())
+  {
+    for (const Material& material : table.Materials)
+    {
+      this->Elastic.push_back({ .YoungsModulusKPa = material.YoungsModulusKPa,
+        .PoissonRatio = material.PoissonRatio,
+        .FungExponent = material.FungExponent,
+        .DensityGPerCm3 = material.DensityGPerCm3 });
+    }
+  }
 };
 
 /// Derivative of a material's constants with respect to a parameter, per unit of it.

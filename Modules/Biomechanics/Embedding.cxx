@@ -60,29 +60,20 @@ public:
     }
     const Eigen::Vector3d extent = (this->High - this->Low).cwiseMax(1e-9);
     // Choose bins that hold about one cell.
-    this->Width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
+    const double width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
     for (int axis = 0; axis < 3; ++axis)
     {
-      this->Size[axis] =
-        std::clamp(static_cast<int>(std::ceil(extent[axis] / this->Width)), 1, 256);
+      this->Size[axis] = std::clamp(static_cast<int>(std::ceil(extent[axis] / width)), 1, 256);
       this->BinWidth[axis] = extent[axis] / this->Size[axis];
     }
     this->Bins.resize(static_cast<std::size_t>(this->Size[0]) * this->Size[1] * this->Size[2]);
     for (std::size_t cell = 0; cell < cellCount; ++cell)
     {
       const auto corners = this->Corners(cell);
-      const Eigen::Vector3i from = this->BinOf(corners.rowwise().minCoeff());
-      const Eigen::Vector3i to = this->BinOf(corners.rowwise().maxCoeff());
-      for (int k = from[2]; k <= to[2]; ++k)
-      {
-        for (int j = from[1]; j <= to[1]; ++j)
-        {
-          for (int i = from[0]; i <= to[0]; ++i)
-          {
-            this->Bins[this->Index(i, j, k)].push_back(static_cast<std::int32_t>(cell));
-          }
-        }
-      }
+      ForEachBin(this->BinOf(corners.rowwise().minCoeff()),
+        this->BinOf(corners.rowwise().maxCoeff()),
+        [&](const Eigen::Vector3i& bin)
+        { this->Bins[this->Index(bin)].push_back(static_cast<std::int32_t>(cell)); });
     }
   }
 
@@ -108,7 +99,7 @@ public:
   std::int32_t Find(const Eigen::Vector3d& point, Eigen::Vector3d& nearest) const
   {
     const Eigen::Vector3i home = this->BinOf(point);
-    for (const std::int32_t cell : this->Bins[this->Index(home[0], home[1], home[2])])
+    for (const std::int32_t cell : this->Bins[this->Index(home)])
     {
       if (this->Barycentric(cell, point).minCoeff() >= -1e-10)
       {
@@ -118,50 +109,26 @@ public:
     }
     std::int32_t best = -1;
     double bestDistance = std::numeric_limits<double>::infinity();
-    const int rings = std::max({ this->Size[0], this->Size[1], this->Size[2] });
+    const int rings = this->Size.maxCoeff();
     for (int ring = 0; ring <= rings; ++ring)
     {
       // Cells in a farther ring are at least this far from the point, projected into the grid's
       // box.
-      const double reach =
-        (ring - 1) * std::min({ this->BinWidth[0], this->BinWidth[1], this->BinWidth[2] });
+      const double reach = (ring - 1) * this->BinWidth.minCoeff();
       if (reach > 0 && bestDistance < reach)
       {
         break;
       }
-      for (int k = std::max(home[2] - ring, 0); k <= std::min(home[2] + ring, this->Size[2] - 1);
-           ++k)
-      {
-        for (int j = std::max(home[1] - ring, 0); j <= std::min(home[1] + ring, this->Size[1] - 1);
-             ++j)
+      const auto around = Eigen::Vector3i::Constant(ring);
+      ForEachBin((home - around).cwiseMax(0),
+        (home + around).cwiseMin(this->Size - Eigen::Vector3i::Ones()),
+        [&](const Eigen::Vector3i& bin)
         {
-          for (int i = std::max(home[0] - ring, 0);
-               i <= std::min(home[0] + ring, this->Size[0] - 1); ++i)
+          if ((bin - home).cwiseAbs().maxCoeff() == ring)
           {
-            const int far =
-              std::max({ std::abs(i - home[0]), std::abs(j - home[1]), std::abs(k - home[2]) });
-            if (far != ring)
-            {
-              continue;
-            }
-            for (const std::int32_t cell : this->Bins[this->Index(i, j, k)])
-            {
-              if (this->Cells[cell].DistanceToBox(point) >= bestDistance)
-              {
-                continue;
-              }
-              const Eigen::Vector3d candidate = this->NearestInCell(cell, point);
-              const double distance = (candidate - point).norm();
-              if (distance < bestDistance)
-              {
-                bestDistance = distance;
-                best = cell;
-                nearest = candidate;
-              }
-            }
+            this->FindInBin(bin, point, bestDistance, best, nearest);
           }
-        }
-      }
+        });
     }
     return best;
   }
@@ -189,6 +156,43 @@ private:
     }
   };
 
+  /// Replaces the best cell so far by a nearer one of the bin.
+  void FindInBin(const Eigen::Vector3i& bin, const Eigen::Vector3d& point, double& bestDistance,
+    std::int32_t& best, Eigen::Vector3d& nearest) const
+  {
+    for (const std::int32_t cell : this->Bins[this->Index(bin)])
+    {
+      if (this->Cells[cell].DistanceToBox(point) >= bestDistance)
+      {
+        continue;
+      }
+      const Eigen::Vector3d candidate = this->NearestInCell(cell, point);
+      const double distance = (candidate - point).norm();
+      if (distance < bestDistance)
+      {
+        bestDistance = distance;
+        best = cell;
+        nearest = candidate;
+      }
+    }
+  }
+
+  /// Calls visit(bin) for all bins from `from` to `to`.
+  template <typename Visit>
+  static void ForEachBin(const Eigen::Vector3i& from, const Eigen::Vector3i& to, const Visit& visit)
+  {
+    for (int k = from[2]; k <= to[2]; ++k)
+    {
+      for (int j = from[1]; j <= to[1]; ++j)
+      {
+        for (int i = from[0]; i <= to[0]; ++i)
+        {
+          visit(Eigen::Vector3i(i, j, k));
+        }
+      }
+    }
+  }
+
   Eigen::Vector3i BinOf(const Eigen::Vector3d& point) const
   {
     Eigen::Vector3i bin;
@@ -199,9 +203,9 @@ private:
     }
     return bin;
   }
-  std::size_t Index(int i, int j, int k) const
+  std::size_t Index(const Eigen::Vector3i& bin) const
   {
-    return (static_cast<std::size_t>(k) * this->Size[1] + j) * this->Size[0] + i;
+    return (static_cast<std::size_t>(bin[2]) * this->Size[1] + bin[1]) * this->Size[0] + bin[0];
   }
 
   Eigen::Vector3d NearestInCell(std::size_t cell, const Eigen::Vector3d& point) const
@@ -255,9 +259,8 @@ private:
   std::vector<Cell> Cells;
   Eigen::Vector3d Low;
   Eigen::Vector3d High;
-  double Width = 1;
-  int Size[3];
-  double BinWidth[3];
+  Eigen::Vector3i Size;
+  Eigen::Vector3d BinWidth;
   std::vector<std::vector<std::int32_t>> Bins;
 };
 }

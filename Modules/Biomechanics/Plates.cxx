@@ -2,6 +2,8 @@
 #include "mammoray/Biomechanics/Plates.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace mammoray
 {
@@ -95,5 +97,35 @@ double TravelMm(const PlatePairVelocity& motion)
 {
   const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };
   return std::max(travel(motion.Support), travel(motion.Paddle));
+}
+
+PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm,
+  double paddleTiltDeg)
+{
+  PlatePair plates;
+  plates.Support.Edge = placed.Point({ 0, unit.SupportEdgeMm, unit.SupportHeightMm });
+  plates.Support.Normal = placed.Z;
+  plates.Support.Inward = placed.Y;
+  plates.Support.EdgeRadiusMm = unit.EdgeRadiusMm;
+  plates.Paddle.Edge = placed.Point({ 0, unit.PaddleEdgeMm, unit.SupportHeightMm + thicknessMm });
+  const double tilt = paddleTiltDeg * std::numbers::pi / 180;
+  plates.Paddle.Normal = std::sin(tilt) * placed.Y - std::cos(tilt) * placed.Z;
+  plates.Paddle.Inward = std::cos(tilt) * placed.Y + std::sin(tilt) * placed.Z;
+  plates.Paddle.EdgeRadiusMm = unit.EdgeRadiusMm;
+  return plates;
+}
+
+Vector3 GravityIn(PatientPosition position, const AnatomicalAxes& axes)
+{
+  constexpr double g = StandardGravityMPerS2;
+  switch (position)
+  {
+    case PatientPosition::Prone:
+      return g * axes.Anterior;
+    case PatientPosition::Supine:
+      return -g * axes.Anterior;
+    default:
+      return -g * axes.Superior;
+  }
 }
 }

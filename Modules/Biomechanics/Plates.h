@@ -2,6 +2,7 @@
 #ifndef mammoray_Plates_h
 #define mammoray_Plates_h
 
+#include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
@@ -96,6 +97,31 @@ MAMMORAYBIOMECHANICS_EXPORT PlatePair SlidTowards(const PlatePair& from, const P
 /// Largest distance that the motion moves a point of the plates within 100 mm of an edge's
 /// reference point, mm.
 MAMMORAYBIOMECHANICS_EXPORT double TravelMm(const PlatePairVelocity& motion);
+
+/**
+ * The plates of a unit with this placement, in the volume frame. The support's face lies at z =
+ * SupportHeightMm of the gantry frame; the paddle's face lies `thicknessMm` above it.
+ * `paddleTiltDeg` turns the paddle about its (unrounded) chest-wall edge, where the thickness is
+ * measured; a positive tilt opens the paddle towards the nipple.
+ */
+MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(const VolumeFromGantry& placed,
+  const MammographyUnit& unit, double thicknessMm, double paddleTiltDeg = 0);
+
+/// Standard gravity, m/s^2.
+inline constexpr double StandardGravityMPerS2 = 9.80665;
+
+enum class PatientPosition
+{
+  /// Standing or sitting, as for a mammogram.
+  Upright,
+  /// Face down, as for most breast MRI: the breast hangs forwards.
+  Prone,
+  /// Lying on the back.
+  Supine
+};
+
+/// Vector of standard gravity in the volume frame for a patient in this position, m/s^2.
+MAMMORAYBIOMECHANICS_EXPORT Vector3 GravityIn(PatientPosition position, const AnatomicalAxes& axes);
 }
 
 #endif

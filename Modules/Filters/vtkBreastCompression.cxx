@@ -3,8 +3,7 @@
 
 #include "Private/FilterRequest.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/ElasticTable.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/MeshConversion.h"

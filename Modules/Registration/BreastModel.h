@@ -3,9 +3,7 @@
 #define mammoray_BreastModel_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/PoseParameters.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/CompressionCase.h"
 
-#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/MeshConversion.h"

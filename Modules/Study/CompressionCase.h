@@ -3,7 +3,6 @@
 #define mammoray_CompressionCase_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"

@@ -2,7 +2,7 @@
 #ifndef mammoray_CutTissue_h
 #define mammoray_CutTissue_h
 
-#include "mammoray/Biomechanics/SimulationCells.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Volumes.h"
 #include "mammorayStudyModule.h"

@@ -2,7 +2,7 @@
 #ifndef mammoray_Intake_h
 #define mammoray_Intake_h
 
-#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Progress.h"

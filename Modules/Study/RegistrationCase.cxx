@@ -4,7 +4,7 @@
 #include "Private/AskedPlaces.h"
 #include "Private/CaseChecks.h"
 #include "Private/Checkpoint.h"
-#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ScatterData.h"

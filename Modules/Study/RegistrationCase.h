@@ -2,8 +2,7 @@
 #ifndef mammoray_RegistrationCase_h
 #define mammoray_RegistrationCase_h
 
-#include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Meshes.h"

@@ -3,7 +3,7 @@
 #ifndef mammoray_EveryElement_h
 #define mammoray_EveryElement_h
 
-#include "mammoray/Biomechanics/SimulationCells.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 
 #include <gtest/gtest.h>
 

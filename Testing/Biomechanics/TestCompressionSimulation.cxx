@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BreastBetweenPlates.h"
+#include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "HangingBody.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/Private/EquilibriumSolver.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -163,8 +163,8 @@ TEST_P(ElementCompression, ForcesBalance)
     }
   }
   EquilibriumSolver solver(body, fixed, state.ContactStiffness);
-  const std::vector<double> with = solver.Gradient(state.Positions, &plates);
-  const std::vector<double> without = solver.Gradient(state.Positions, nullptr);
+  const std::vector<double> with = test::GradientOf(solver, state.Positions, &plates);
+  const std::vector<double> without = test::GradientOf(solver, state.Positions, nullptr);
   Vector3 sum{ 0, 0, 0 }, contact{ 0, 0, 0 }, reaction{ 0, 0, 0 };
   for (std::size_t n = 0; n < with.size(); n += 3)
   {

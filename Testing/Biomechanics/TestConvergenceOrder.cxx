@@ -196,7 +196,7 @@ Errors SolveManufactured(ElementType type, const Case& solved, int n)
     std::fill_n(fixed.begin() + static_cast<std::ptrdiff_t>(3 * node), 3, boundary);
   }
   EquilibriumSolver solver(body, fixed, 1);
-  solver.SetLoads(loads);
+  solver.Energy().SetLoads(loads);
   std::vector<double> x = rest;
   const EquilibriumReport report = solver.Solve(x, nullptr, 1e-10, 50);
   EXPECT_TRUE(report.Converged) << report.Reason;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
 
 #include <gtest/gtest.h>
 

@@ -30,11 +30,11 @@ TEST_P(LoadedElement, DerivativesOnAnElasticWallWithFrictionMatchCentralDifferen
   const std::size_t size = block.Positions.size();
   EquilibriumSolver solver(block.Body, std::vector<bool>(size, false), 1000, held);
   solver.SetAttachment(&wall);
-  solver.SetLoads(Shaken(std::vector<double>(size, 0.0), 0.1, 5));
+  solver.Energy().SetLoads(Shaken(std::vector<double>(size, 0.0), 0.1, 5));
   // Points that stick and points that slide: 0.02 to 0.2 mm from their anchors.
   FrictionStart before{ {}, Shaken(block.Positions, 0.1, 3), block.Plates };
-  solver.SetFriction(solver.FrictionAt(block.Positions, block.Plates, 0.5, before));
-  ASSERT_GT(solver.Friction().size(), 20u);
+  solver.Energy().SetFriction(solver.FrictionAt(block.Positions, block.Plates, 0.5, before));
+  ASSERT_GT(solver.Energy().Friction().Points().size(), 20u);
   const EquilibriumReport report = solver.Evaluate(block.Positions, &block.Plates);
   ASSERT_GT(Norm(report.FrictionN[0]), 1e-3);
   ASSERT_GT(report.LargestWallLiftMm, 0.1);
@@ -71,8 +71,8 @@ TEST_P(LoadedElement, WallAndFrictionTurnWithBodyAndPlates)
     const AttachmentEnergy wall(body, held, { 7, 2 });
     EquilibriumSolver solver(body, std::vector<bool>(x.size(), false), 1000, held);
     solver.SetAttachment(&wall);
-    solver.SetFriction(solver.FrictionAt(x, plates, 0.5, { {}, xBefore, plates }));
-    return solver.Gradient(x, &plates);
+    solver.Energy().SetFriction(solver.FrictionAt(x, plates, 0.5, { {}, xBefore, plates }));
+    return test::GradientOf(solver, x, &plates);
   };
   const std::vector<double> xBefore = Shaken(block.Positions, 0.1, 3);
   const std::vector<double> expected =

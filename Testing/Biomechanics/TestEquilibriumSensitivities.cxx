@@ -157,7 +157,7 @@ TEST(EquilibriumSensitivities, WithFrictionAreThoseOfTheLastStepWithFrozenNormal
   turn.Paddle = { { 0.2, 0.3, -0.4 }, { 0.01, 0.005, 0.01 } };
   const PlatePair plates = MovedPlates(block.Plates, turn, 1);
   const FrictionStart before{ {}, x, block.Plates };
-  solver.SetFriction(solver.FrictionAt(x, block.Plates, 0.5, before));
+  solver.Energy().SetFriction(solver.FrictionAt(x, block.Plates, 0.5, before));
   ASSERT_TRUE(solver.Solve(x, &plates, 1e-12, 50).Converged);
   PlatePairVelocity velocity;
   velocity.Paddle = { { 0.5, 0.2, -0.1 }, { 0.02, -0.01, 0.01 } };
@@ -167,7 +167,7 @@ TEST(EquilibriumSensitivities, WithFrictionAreThoseOfTheLastStepWithFrozenNormal
   const auto exact = solver.Sensitivities(x, plates, { { velocity }, {}, { rougher } });
   const double rate = solver.PaddleForceDerivative(x, plates, velocity,
     std::vector<double>(exact[0].begin(), exact[0].end()));
-  const FrictionPoints points = solver.Friction();
+  const FrictionPoints points = solver.Energy().Friction().Points();
   for (int p = 0; p < 2; ++p)
   {
     double best = 1, bestForce = 1;
@@ -184,7 +184,7 @@ TEST(EquilibriumSensitivities, WithFrictionAreThoseOfTheLastStepWithFrozenNormal
         {
           point.SlidingForce += p == 1 ? by * 0.1 * point.NormalForce : 0;
         }
-        solver.SetFriction(changed);
+        solver.Energy().SetFriction(changed);
         sides[side] = x;
         const EquilibriumReport report = solver.Solve(sides[side], &moved, 1e-13, 50);
         forces[side] = report.PaddleForceN;

@@ -124,7 +124,7 @@ TEST_P(ElementEquilibrium, UniaxialCompressionMatchesTheClosedForm)
     // The force: first Piola-Kirchhoff stress along the axis times the undeformed area.
     const double stress = BarStress(material, 0.6, lateral, true);
     double force = 0;
-    const std::vector<double> gradient = solver.Gradient(start, nullptr);
+    const std::vector<double> gradient = test::GradientOf(solver, start, nullptr);
     for (std::size_t n = 2; n < start.size(); n += 3)
     {
       force += body.RestPositions()[n] > 4 - 1e-9 ? gradient[n] : 0;
@@ -193,7 +193,7 @@ struct CooksMembrane
       middle = end && std::abs(x[n + 1] - 52) < 1e-9 ? n : middle;
     }
     EquilibriumSolver solver(body, fixed, 1);
-    solver.SetLoads(EvenTraction(body, { 0, traction, 0 },
+    solver.Energy().SetLoads(EvenTraction(body, { 0, traction, 0 },
       [](const double* point) { return point[0] > 48 - 1e-9; }));
     const EquilibriumReport report = solver.Solve(x, nullptr, 1e-7, 100);
     EXPECT_TRUE(report.Converged) << report.Reason;
@@ -300,8 +300,9 @@ TEST_P(ElementEquilibrium, ForcesTurnWithBodyAndPlates)
     }
     return values;
   };
-  const std::vector<double> expected = turnedAll(solver.Gradient(block.Positions, &block.Plates));
-  const std::vector<double> found = solver.Gradient(turnedAll(block.Positions), &plates);
+  const std::vector<double> expected =
+    turnedAll(test::GradientOf(solver, block.Positions, &block.Plates));
+  const std::vector<double> found = test::GradientOf(solver, turnedAll(block.Positions), &plates);
   // 1e-11: roundoff of positions, 1e-15 of 20 mm, over the contact layer of 0.05 mm.
   EXPECT_LT(NormOf(Difference(found, expected)), 1e-11 * NormOf(expected));
 }
@@ -336,7 +337,7 @@ TEST_P(ElementEquilibrium, BlockUnderPartialLoadMatchesReeseWriggersAndReddy)
     {
       load *= 20 * level;
     }
-    solver.SetLoads(loads);
+    solver.Energy().SetLoads(loads);
     const EquilibriumReport report = solver.Solve(x, nullptr, 1e-6, 100);
     ASSERT_TRUE(report.Converged) << report.Reason;
     // 3 %: what is left to the mesh, 2.9 % at the least load and below 1 % at the largest. Linear

@@ -4,7 +4,6 @@
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

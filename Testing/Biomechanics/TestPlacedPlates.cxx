@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 
 #include <gtest/gtest.h>
 

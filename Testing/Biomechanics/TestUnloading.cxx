@@ -5,7 +5,6 @@
 #include "HangingBody.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

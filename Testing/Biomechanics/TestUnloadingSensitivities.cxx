@@ -5,7 +5,6 @@
 #include "EveryElement.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,8 @@
 // JSON. Times are of the clock, and of the processor over all threads: on a busy machine only the
 // latter says what the work costs.
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"

@@ -3,7 +3,7 @@
 #define mammoray_LiveMammogram_h
 
 #include "mammoray/App/ViewedBreast.h"
-#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayAppModule.h"

@@ -4,7 +4,7 @@
 
 #include "Private/ElasticBody.h"
 #include "Private/Energy.h"
-#include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 

@@ -143,7 +143,7 @@ std::vector<double> CompressionSimulation::Internals::Loads(const Vector3& gravi
 void CompressionSimulation::Internals::Settle(const std::vector<double>& from,
   const std::vector<double>& to, std::vector<double>& x, const ProgressCallback& progress)
 {
-  this->Solver.SetFriction({});
+  this->Solver.Energy().SetFriction({});
   const auto at = [](const std::vector<double>& loads, std::size_t c)
   { return loads.empty() ? 0.0 : loads[c]; };
   std::vector<double> part(x.size());
@@ -155,7 +155,7 @@ void CompressionSimulation::Internals::Settle(const std::vector<double>& from,
     {
       part[c] = at(from, c) + next * (at(to, c) - at(from, c));
     }
-    this->Solver.SetLoads(next < 1 ? part : to);
+    this->Solver.Energy().SetLoads(next < 1 ? part : to);
     std::vector<double> positions = x;
     const EquilibriumReport report = this->Solver.Solve(positions, nullptr,
       next < 1 ? LoadStep::IntermediateTolerance : this->Options.RelativeTolerance,
@@ -404,9 +404,9 @@ void CompressionSimulation::Internals::AddStressFreeVelocities(EquilibriumDeriva
 
 void CompressionSimulation::Internals::Recall(const CompressionState& state)
 {
-  this->Solver.SetContactStiffness(
+  this->Solver.Energy().SetContactStiffness(
     state.ContactStiffness > 0 ? state.ContactStiffness : this->Options.ContactStiffness);
-  this->Solver.SetFriction(state.Friction ? *state.Friction : FrictionPoints());
-  this->Solver.SetLoads(this->Loads(this->Options.GravityMPerS2, this->Options.PullN));
+  this->Solver.Energy().SetFriction(state.Friction ? *state.Friction : FrictionPoints());
+  this->Solver.Energy().SetLoads(this->Loads(this->Options.GravityMPerS2, this->Options.PullN));
 }
 }

@@ -1,13 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ContactEnergy.h"
 
-#include "Private/FacePoints.h"
-
 #include <algorithm>
 #include <cmath>
 
 namespace mammoray
 {
+const std::vector<FacePoint>& FacePoints()
+{
+  static const std::vector<FacePoint> points = []
+  {
+    constexpr int n = 8;
+    std::vector<FacePoint> made;
+    for (int i = 0; i < n; ++i)
+    {
+      for (int j = 0; i + j < n; ++j)
+      {
+        // Small triangles of both orientations.
+        for (int down = 0; down < (i + j + 1 < n ? 2 : 1); ++down)
+        {
+          const double shift = down ? 2 / 3.0 : 1 / 3.0;
+          const double a = (i + shift) / n;
+          const double b = (j + shift) / n;
+          made.push_back({ { a, b, 1 - a - b }, 1.0 / (n * n) });
+        }
+      }
+    }
+    return made;
+  }();
+  return points;
+}
+
 ContactLaw::ContactLaw(double stiffness, double depth)
 {
   const double inner = std::min(depth, ContactEnergy::LayerMm);
@@ -15,6 +38,27 @@ ContactLaw::ContactLaw(double stiffness, double depth)
   this->Slope = 2 * stiffness * inner;
   this->Pressure = stiffness * inner * inner + this->Slope * outer;
   this->Energy = stiffness * inner * (inner * inner / 3 + inner * outer + outer * outer);
+}
+
+void AddFaceHessian(const ElasticBody::BoundaryFace& face, int faceNodes,
+  const std::array<double, 6>& shape, const double (&block)[3][3], std::size_t rows,
+  std::span<double> hessian)
+{
+  for (int a = 0; a < faceNodes; ++a)
+  {
+    for (int b = 0; b < faceNodes; ++b)
+    {
+      const double shapes = shape[a] * shape[b];
+      for (int i = 0; i < 3; ++i)
+      {
+        for (int j = 0; j < 3; ++j)
+        {
+          hessian[rows * (3 * face.LocalNodes[b] + j) + 3 * face.LocalNodes[a] + i] +=
+            shapes * block[i][j];
+        }
+      }
+    }
+  }
 }
 
 /// Calls function(ContactPoint) for every point of an element that lies in a plate's layer.
@@ -109,20 +153,7 @@ bool ContactEnergy::Add(std::size_t element, const std::vector<double>& x, Energ
             across * point.Distance.Tangent[i] * point.Distance.Tangent[j];
         }
       }
-      for (int a = 0; a < faceNodes; ++a)
-      {
-        for (int b = 0; b < faceNodes; ++b)
-        {
-          const double shapes = point.Shape[a] * point.Shape[b];
-          for (int i = 0; i < 3; ++i)
-          {
-            for (int j = 0; j < 3; ++j)
-            {
-              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] += shapes * block[i][j];
-            }
-          }
-        }
-      }
+      AddFaceHessian(point.Face, faceNodes, point.Shape, block, rows, terms.Hessian);
     });
   return true;
 }

@@ -363,26 +363,23 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
   for (std::size_t m = 0; m < materials.size(); ++m)
   {
     // Check all entries, used or not: a table with a bad entry is rejected.
+    const auto need = [m](bool good, const char* expected, double found)
+    {
+      if (!good)
+      {
+        throw InputError("material " + std::to_string(m) + ": expected " + expected + ", found " +
+          std::to_string(found));
+      }
+    };
     const ElasticMaterial& material = materials[m];
-    if (!(material.YoungsModulusKPa > 0) ||
-      !(material.PoissonRatio >= 0 && material.PoissonRatio < 0.5))
-    {
-      throw InputError("material " + std::to_string(m) +
-        ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
-        std::to_string(material.YoungsModulusKPa) + " kPa and " +
-        std::to_string(material.PoissonRatio));
-    }
-    if (!(material.DensityGPerCm3 > 0))
-    {
-      throw InputError("material " + std::to_string(m) + ": expected a positive density, found " +
-        std::to_string(material.DensityGPerCm3) + " g/cm^3");
-    }
-    if (!(material.FungExponent >= 0 &&
-          material.FungExponent <= ElasticMaterial::LargestFungExponent))
-    {
-      throw InputError("material " + std::to_string(m) +
-        ": expected a Fung exponent in [0, 50], found " + std::to_string(material.FungExponent));
-    }
+    need(material.YoungsModulusKPa > 0, "a positive Young's modulus, kPa",
+      material.YoungsModulusKPa);
+    need(material.PoissonRatio >= 0 && material.PoissonRatio < 0.5, "a Poisson's ratio in [0, 0.5)",
+      material.PoissonRatio);
+    need(material.DensityGPerCm3 > 0, "a positive density, g/cm^3", material.DensityGPerCm3);
+    need(material.FungExponent >= 0 &&
+        material.FungExponent <= ElasticMaterial::LargestFungExponent,
+      "a Fung exponent in [0, 50]", material.FungExponent);
   }
   this->Table = materials;
   const int points = this->PointsPerCell();

@@ -2,8 +2,7 @@
 #ifndef mammoray_ElasticBody_h
 #define mammoray_ElasticBody_h
 
-#include "mammoray/Biomechanics/ElasticMaterial.h"
-#include "mammoray/Biomechanics/SimulationCells.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
@@ -65,9 +64,9 @@ public:
   /// Replaces the constants of the materials, as many as at construction. Throws InputError.
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const { return this->Table; }
-  /// Sets another undeformed shape of the same cells, which keep their materials. `corners` are the
-  /// points of the linear mesh, mm; sides stay straight. The caller ensures that no cell is
-  /// inverted (see CellVolume).
+  /// Sets another undeformed shape of the same cells, which keep their materials. `corners` begin
+  /// with the points of the linear mesh, mm; sides stay straight. The caller ensures that no cell
+  /// is inverted (see CellVolume).
   void SetRestCorners(const std::vector<double>& corners);
 
   ElementType Type() const { return this->Kind; }

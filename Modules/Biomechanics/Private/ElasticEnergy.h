@@ -4,8 +4,8 @@
 
 #include "Private/ElasticBody.h"
 #include "Private/Energy.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticMaterial.h"
-#include "mammoray/Biomechanics/SimulationCells.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/EquilibriumSensitivities.h"
+#include "Private/EquilibriumSolver.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
@@ -71,14 +71,8 @@ void AddRestForces(const EquilibriumEnergy& energy, const std::vector<double>& x
   {
     const std::int32_t node = wall->Nodes()[w];
     const std::array<Vector3, 3> rows = wall->NodeRestDerivative(w, NodePosition(x, node));
-    for (int i = 0; i < 3; ++i)
-    {
-      const std::int32_t unknown = part.Unknowns()[3 * node + i];
-      if (unknown >= 0)
-      {
-        column[unknown] -= Dot(rows[i], NodePosition(velocity.Positions, node));
-      }
-    }
+    const Vector3 rate = NodePosition(velocity.Positions, node);
+    part.AddAtNode(node, { -Dot(rows[0], rate), -Dot(rows[1], rate), -Dot(rows[2], rate) }, column);
   }
 }
 
@@ -104,13 +98,10 @@ std::vector<double> RestForces(const EquilibriumEnergy& energy, const std::vecto
     {
       const std::int32_t element = part.Elements()[moving];
       const std::span<const std::int32_t> nodes = part.Body().NodesOf(element);
-      for (std::size_t r = 0; r < 3 * nodes.size(); ++r)
+      const double* force = &forces[moving][3 * nodes.size() * p];
+      for (std::size_t a = 0; a < nodes.size(); ++a)
       {
-        const std::int32_t unknown = part.Unknowns()[3 * nodes[r / 3] + r % 3];
-        if (unknown >= 0)
-        {
-          column[unknown] += forces[moving][3 * nodes.size() * p + r];
-        }
+        part.AddAtNode(nodes[a], { force[3 * a], force[3 * a + 1], force[3 * a + 2] }, column);
       }
       energy.Contact().AddRestForces(element, x, velocities[p].Positions, column);
     }
@@ -138,15 +129,8 @@ std::vector<double> SupportForces(const EquilibriumEnergy& energy, const std::ve
     for (std::size_t w = 0; wall && w < wall->Nodes().size(); ++w)
     {
       const std::int32_t node = wall->Nodes()[w];
-      const Vector3 rate = wall->NodeTerms(w, NodePosition(x, node), velocity.Wall).Gradient;
-      for (int i = 0; i < 3; ++i)
-      {
-        const std::int32_t unknown = part.Unknowns()[3 * node + i];
-        if (unknown >= 0)
-        {
-          column[unknown] -= rate[i];
-        }
-      }
+      part.AddAtNode(node, -1.0 * wall->NodeTerms(w, NodePosition(x, node), velocity.Wall).Gradient,
+        column);
     }
     if (velocity.Friction != 0)
     {
@@ -177,13 +161,11 @@ std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::v
     for (std::size_t moving = 0; moving < rates.size(); ++moving)
     {
       const std::span<const std::int32_t> nodes = part.Body().NodesOf(part.Elements()[moving]);
-      for (std::size_t r = 0; r < rates[moving].size(); ++r)
+      const double* rate = rates[moving].data();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
       {
-        const std::int32_t unknown = part.Unknowns()[3 * nodes[r / 3] + r % 3];
-        if (unknown >= 0)
-        {
-          columns[n * p + unknown] -= rates[moving][r];
-        }
+        part.AddAtNode(nodes[a], { -rate[3 * a], -rate[3 * a + 1], -rate[3 * a + 2] },
+          &columns[n * p]);
       }
     }
   }
@@ -203,9 +185,11 @@ std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vect
   return columns;
 }
 
-VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSolver& newton,
-  const std::vector<double>& x, const EquilibriumDerivatives& velocities)
+VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, const PlatePair& plates,
+  const EquilibriumDerivatives& velocities)
 {
+  this->Objective.SetPlates(&plates);
+  const EquilibriumEnergy& energy = this->Objective;
   Check(velocities, energy.Part().Body().Materials().size(), x.size());
   const std::size_t count =
     velocities.Plates.size() + velocities.Materials.size() + velocities.Support.size();
@@ -213,7 +197,7 @@ VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSol
   {
     return {};
   }
-  const Evaluation& current = newton.EvaluateAt(x);
+  const Evaluation& current = this->Newton.EvaluateAt(x);
   if (!current.Valid)
   {
     throw ConvergenceError("sensitivities: expected no inverted cell, found one");
@@ -230,7 +214,7 @@ VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSol
     right.end() - static_cast<std::ptrdiff_t>(rest.size()), std::plus<>());
   // The last factor belongs to positions very close to these. Refinement would diverge with a
   // factor of another state, which is therefore not tried.
-  FactorCache& factor = newton.Factor();
+  FactorCache& factor = this->Newton.Factor();
   std::vector<double> solution;
   if (!(factor.DistanceMm(x) < FactorCache::NearMm) ||
     !factor.RefineNearby(current.Hessian, right, count, solution))
@@ -259,9 +243,12 @@ VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSol
   return result;
 }
 
-double PaddleForceDerivativeOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities)
+double EquilibriumSolver::PaddleForceDerivative(const std::vector<double>& x,
+  const PlatePair& plates, const PlatePairVelocity& velocity,
+  const std::vector<double>& nodeVelocities)
 {
+  this->Objective.SetPlates(&plates);
+  const EquilibriumEnergy& energy = this->Objective;
   double rate = 0;
   for (const std::int32_t element : energy.Part().Elements())
   {

@@ -3,10 +3,7 @@
 #define mammoray_EquilibriumSensitivities_h
 
 #include "Private/EquilibriumEnergy.h"
-#include "Private/NewtonSolver.h"
-#include "mammoray/Biomechanics/ElasticMaterial.h"
-#include "mammoray/Biomechanics/Plates.h"
-#include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/Meshes.h"
 
 #include <vector>
@@ -52,20 +49,6 @@ std::vector<double> SupportForces(const EquilibriumEnergy& energy, const std::ve
   const std::vector<SupportDerivative>& velocities);
 std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<PlatePairVelocity>& velocities);
-
-/**
- * Velocities dx/dp at the equilibrium `x` of `energy`, by the implicit function theorem. They are
- * zero at fixed coordinates. The factor at hand is used with iterative refinement, or a new one is
- * computed; each parameter costs one back-substitution. Throws InputError, and ConvergenceError
- * where the Hessian of the energy is not positive definite.
- */
-VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSolver& newton,
-  const std::vector<double>& x, const EquilibriumDerivatives& velocities);
-
-/// Derivative of the paddle's force, N per unit of a parameter that moves the plates by `velocity`
-/// and the nodes by `nodeVelocities` (3 x nodeCount).
-double PaddleForceDerivativeOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities);
 }
 
 #endif

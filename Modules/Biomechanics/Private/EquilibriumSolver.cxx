@@ -30,28 +30,28 @@ private:
 
 EquilibriumSolver::EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
   double contactStiffness, const std::vector<bool>& leftOut)
-  : Energy(body, fixed, contactStiffness, leftOut)
-  , Newton(Energy)
+  : Objective(body, fixed, contactStiffness, leftOut)
+  , Newton(Objective)
 {
 }
 
 void EquilibriumSolver::BodyChanged()
 {
-  this->Energy.BodyChanged();
+  this->Objective.BodyChanged();
   this->Newton.Factor().Forget();
 }
 
 void EquilibriumSolver::SetAttachment(const AttachmentEnergy* attachment)
 {
-  this->Energy.SetAttachment(attachment);
+  this->Objective.SetAttachment(attachment);
   this->Newton.Factor().Forget();
 }
 
 FrictionPoints EquilibriumSolver::FrictionAt(const std::vector<double>& x, const PlatePair& plates,
   double coefficient, const FrictionStart& before) const
 {
-  return FrictionOfContact(this->Energy.Part(), this->Energy.Contact(), x, plates, coefficient,
-    before);
+  return FrictionOfContact(this->Objective.Part(), this->Objective.Contact(), x, plates,
+    coefficient, before);
 }
 
 EquilibriumReport EquilibriumSolver::Report(const Evaluation& evaluation) const
@@ -71,13 +71,14 @@ EquilibriumReport EquilibriumSolver::Report(const Evaluation& evaluation) const
   report.LargestWallGlideMm = measures.WallGlide;
   report.SmallestJ = measures.SmallestJ;
   report.LargestJ = measures.LargestJ;
-  report.VolumeRatio = measures.Volume / this->Energy.RestVolume();
+  report.VolumeRatio = measures.Volume / this->Objective.RestVolume();
   return report;
 }
 
-EquilibriumReport EquilibriumSolver::Minimize(std::vector<double>& x, double tolerance,
-  int maximumSteps, const ProgressCallback& progress)
+EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
+  double tolerance, int maximumSteps, const ProgressCallback& progress)
 {
+  this->Objective.SetPlates(plates);
   const NewtonResult result = this->Newton.Minimize(x, tolerance, maximumSteps, progress);
   const Evaluation& last = this->Newton.EvaluateAt(x);
   EquilibriumReport report = last.Valid ? this->Report(last) : EquilibriumReport();
@@ -87,16 +88,9 @@ EquilibriumReport EquilibriumSolver::Minimize(std::vector<double>& x, double tol
   return report;
 }
 
-EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
-  double tolerance, int maximumSteps, const ProgressCallback& progress)
-{
-  this->Energy.SetPlates(plates);
-  return this->Minimize(x, tolerance, maximumSteps, progress);
-}
-
 bool EquilibriumSolver::IsStable(const std::vector<double>& x)
 {
-  this->Energy.SetPlates(nullptr);
+  this->Objective.SetPlates(nullptr);
   const Evaluation& evaluation = this->Newton.EvaluateAt(x);
   return evaluation.Valid && this->Newton.Factor().Factorize(evaluation.Hessian, x);
 }
@@ -104,98 +98,44 @@ bool EquilibriumSolver::IsStable(const std::vector<double>& x)
 bool EquilibriumSolver::Admissible(const std::vector<double>& x)
 {
   Evaluation probe;
-  this->Energy.Evaluate(x, EnergyOrder::Value, probe);
+  this->Objective.Evaluate(x, EnergyOrder::Value, probe);
   return probe.Valid;
 }
 
 EquilibriumReport EquilibriumSolver::Untangle(std::vector<double>& x, const PlatePair* plates,
   double tolerance, int maximumSteps, const ProgressCallback& progress)
 {
-  const ExtendedDomain extended(this->Energy);
+  const ExtendedDomain extended(this->Objective);
   return this->Solve(x, plates, tolerance, maximumSteps, progress);
-}
-
-Evaluation EquilibriumSolver::EvaluateAt(const std::vector<double>& x, const PlatePair* plates,
-  EnergyOrder order)
-{
-  this->Energy.SetPlates(plates);
-  Evaluation evaluation;
-  this->Energy.Evaluate(x, order, evaluation);
-  if (!evaluation.Valid)
-  {
-    throw ConvergenceError("equilibrium: expected no inverted cell, found one");
-  }
-  return evaluation;
 }
 
 EquilibriumReport EquilibriumSolver::Evaluate(const std::vector<double>& x, const PlatePair* plates)
 {
-  return this->Report(this->EvaluateAt(x, plates, EnergyOrder::Gradient));
-}
-
-std::vector<double> EquilibriumSolver::Gradient(const std::vector<double>& x,
-  const PlatePair* plates)
-{
-  return this->EvaluateAt(x, plates, EnergyOrder::Gradient).Gradient;
-}
-
-std::vector<double> EquilibriumSolver::HessianProduct(const std::vector<double>& x,
-  const PlatePair* plates, const std::vector<double>& direction)
-{
-  const Evaluation evaluation = this->EvaluateAt(x, plates, EnergyOrder::Hessian);
-  const std::vector<std::int32_t>& coordinates = this->Energy.Coordinates();
-  std::vector<double> in(coordinates.size());
-  std::vector<double> out(coordinates.size());
-  for (std::size_t u = 0; u < in.size(); ++u)
+  this->Objective.SetPlates(plates);
+  Evaluation evaluation;
+  this->Objective.Evaluate(x, EnergyOrder::Gradient, evaluation);
+  if (!evaluation.Valid)
   {
-    in[u] = direction[coordinates[u]];
+    throw ConvergenceError("equilibrium: expected no inverted cell, found one");
   }
-  this->Newton.Factor().Multiply(evaluation.Hessian, in.data(), out.data());
-  std::vector<double> result(x.size(), 0.0);
-  for (std::size_t u = 0; u < out.size(); ++u)
-  {
-    result[coordinates[u]] = out[u];
-  }
-  return result;
-}
-
-std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double>& x,
-  const PlatePair& plates)
-{
-  this->Energy.SetPlates(&plates);
-  return this->Energy.Contact().NodePressures(x);
-}
-
-VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, const PlatePair& plates,
-  const EquilibriumDerivatives& velocities)
-{
-  this->Energy.SetPlates(&plates);
-  return EquilibriumSensitivities(this->Energy, this->Newton, x, velocities);
-}
-
-double EquilibriumSolver::PaddleForceDerivative(const std::vector<double>& x,
-  const PlatePair& plates, const PlatePairVelocity& velocity,
-  const std::vector<double>& nodeVelocities)
-{
-  this->Energy.SetPlates(&plates);
-  return PaddleForceDerivativeOf(this->Energy, x, velocity, nodeVelocities);
+  return this->Report(evaluation);
 }
 
 std::vector<double> EquilibriumSolver::TangentStep(const std::vector<double>& x,
   const PlatePair& plates, const PlatePairVelocity& motion)
 {
-  this->Energy.SetPlates(&plates);
+  this->Objective.SetPlates(&plates);
   std::vector<double> result(x.size(), 0.0);
   FactorCache& factor = this->Newton.Factor();
   if (factor.DistanceMm(x) > NearForAStepMm && !this->Newton.FactorizeAt(x))
   {
     return result;
   }
-  std::vector<double> solution = PlateForces(this->Energy, x, { motion });
+  std::vector<double> solution = PlateForces(this->Objective, x, { motion });
   factor.Solve(solution);
   for (std::size_t u = 0; u < solution.size(); ++u)
   {
-    result[this->Energy.Coordinates()[u]] = solution[u];
+    result[this->Objective.Coordinates()[u]] = solution[u];
   }
   return result;
 }

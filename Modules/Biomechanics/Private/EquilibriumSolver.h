@@ -9,7 +9,6 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammorayBiomechanicsModule.h"
 
-#include <array>
 #include <vector>
 
 namespace mammoray
@@ -26,20 +25,14 @@ public:
   EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
     double contactStiffness, const std::vector<bool>& leftOut = {});
 
-  std::size_t NumberOfUnknowns() const { return this->Energy.Part().NumberOfUnknowns(); }
+  /// The energy that is minimised; its contact stiffness, loads and friction may be set.
+  EquilibriumEnergy& Energy() { return this->Objective; }
+  const EquilibriumEnergy& Energy() const { return this->Objective; }
   /// Call this after the body's materials or its undeformed shape have changed.
   void BodyChanged();
-  /// Contact stiffness of the next calls, kPa / mm^2; positive.
-  void SetContactStiffness(double stiffness) { this->Energy.SetContactStiffness(stiffness); }
-  /// Dead loads (forces that do not depend on the deformation), 3 x nodeCount, kPa mm^2; empty for
-  /// none.
-  void SetLoads(std::vector<double> loads) { this->Energy.SetLoads(std::move(loads)); }
   /// Sets the attachment to the chest wall, of the same body; null for none. It must outlive its
   /// use.
   void SetAttachment(const AttachmentEnergy* attachment);
-  /// Friction with the plates, its normal forces and anchors frozen; empty: none.
-  void SetFriction(FrictionPoints points) { this->Energy.SetFriction(std::move(points)); }
-  const FrictionPoints& Friction() const { return this->Energy.Friction().Points(); }
   /// Friction points of this coefficient for the contact at `x`; see FrictionOfContact.
   FrictionPoints FrictionAt(const std::vector<double>& x, const PlatePair& plates,
     double coefficient, const FrictionStart& before) const;
@@ -63,22 +56,15 @@ public:
   /// admissible and near an equilibrium, but is not an equilibrium of the original energy.
   EquilibriumReport Untangle(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {});
-  /// Energy, forces and measures at the positions `x`. This function and the next two throw
-  /// ConvergenceError if a cell is inverted.
+  /// Energy, forces and measures at the positions `x`. Throws ConvergenceError if a cell is
+  /// inverted.
   EquilibriumReport Evaluate(const std::vector<double>& x, const PlatePair* plates);
-  /// The gradient of the energy, 3 x nodeCount, kPa mm^2. At fixed coordinates it is minus the
-  /// reaction force.
-  std::vector<double> Gradient(const std::vector<double>& x, const PlatePair* plates);
-  /// The Hessian times `direction` (3 x nodeCount), kPa mm^2; zero at fixed coordinates.
-  std::vector<double> HessianProduct(const std::vector<double>& x, const PlatePair* plates,
-    const std::vector<double>& direction);
-  /// Contact pressure at each node, kPa: the mean around corners of the boundary, interpolated at
-  /// the middles of sides, 0 inside the body.
-  std::vector<double> ContactPressures(const std::vector<double>& x, const PlatePair& plates);
 
   /// Velocities dx/dp of the nodes at the equilibrium `x`, in the order of EquilibriumDerivatives;
-  /// zero at fixed coordinates. Friction's normal forces are frozen, and its anchors move with the
-  /// plates. Throws ConvergenceError if the stiffness matrix is not positive definite.
+  /// zero at fixed coordinates. The implicit function theorem costs one back-substitution per
+  /// parameter, by the factor at hand with iterative refinement or by a new one. Friction's normal
+  /// forces are frozen, and its anchors move with the plates. Throws InputError, and
+  /// ConvergenceError if the stiffness matrix is not positive definite.
   VectorFields Sensitivities(const std::vector<double>& x, const PlatePair& plates,
     const EquilibriumDerivatives& velocities);
   /// Derivative of the paddle's force, N per unit of a parameter that moves the plates by
@@ -91,22 +77,13 @@ public:
   std::vector<double> TangentStep(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& motion);
 
-  /// Smallest distance that support and paddle must each move against their normals so that their
-  /// layers touch nothing, mm.
-  std::array<double, 2> Opening(const std::vector<double>& x, const PlatePair& plates) const
-  {
-    return this->Energy.Contact().Opening(x, plates);
-  }
   /// Largest memory of the factorisation so far, bytes.
   double PeakFactorBytes() const { return this->Newton.Factor().PeakBytes(); }
 
 private:
-  EquilibriumReport Minimize(std::vector<double>& x, double tolerance, int maximumSteps,
-    const ProgressCallback& progress);
-  Evaluation EvaluateAt(const std::vector<double>& x, const PlatePair* plates, EnergyOrder order);
   EquilibriumReport Report(const Evaluation& evaluation) const;
 
-  EquilibriumEnergy Energy;
+  EquilibriumEnergy Objective;
   NewtonSolver Newton;
 };
 }

@@ -94,15 +94,10 @@ std::vector<double> InverseEquilibrium::Deformed(const std::vector<double>& y) c
   return x;
 }
 
-std::vector<double> InverseEquilibrium::RestCorners(const std::vector<double>& y) const
-{
-  return { y.begin(), y.begin() + static_cast<std::ptrdiff_t>(this->Corners.size()) };
-}
-
 /// Returns false if a cell is inverted.
 bool InverseEquilibrium::MoveRest(const std::vector<double>& y)
 {
-  this->Body.SetRestCorners(this->RestCorners(y));
+  this->Body.SetRestCorners(y);
   if (this->Wall)
   {
     this->Wall->SetRestPositions(this->Body.RestPositions());

@@ -44,9 +44,8 @@ public:
   /// Places mid-side nodes midway between their corners, in positions or velocities (3 x
   /// nodeCount).
   void PutMiddlesBetween(std::span<double> values) const;
-  /// Deformed positions of all nodes, and undeformed positions of the corners, in `y`.
+  /// Deformed positions of all nodes in `y`.
   std::vector<double> Deformed(const std::vector<double>& y) const;
-  std::vector<double> RestCorners(const std::vector<double>& y) const;
 
   /// Computes the residual at `y` and, with `derivatives`, its Jacobian. Returns false if a cell or
   /// a quadrature point is inverted; then only the undeformed shape has changed.

@@ -37,10 +37,10 @@ LaggedFriction::LaggedFriction(EquilibriumSolver& solver, const ElasticBody& bod
 std::vector<double> LaggedFriction::Begin(const std::vector<double>& x, const PlatePair& plates,
   const LoadStep& step)
 {
-  this->Solver.SetContactStiffness(step.ContactStiffness);
+  this->Solver.Energy().SetContactStiffness(step.ContactStiffness);
   this->Previous.Positions = x;
   this->Previous.Plates = plates;
-  this->Solver.SetFriction(this->Coefficient > 0
+  this->Solver.Energy().SetFriction(this->Coefficient > 0
       ? this->Solver.FrictionAt(x, plates, this->Coefficient, this->Previous)
       : FrictionPoints());
   const std::vector<double> way =
@@ -53,21 +53,18 @@ std::vector<double> LaggedFriction::Begin(const std::vector<double>& x, const Pl
   return this->Solver.Admissible(guess) ? guess : x;
 }
 
-EquilibriumReport LaggedFriction::SolveFrozen(std::vector<double>& x, const LoadStep& step,
-  const ProgressCallback& progress)
-{
-  return this->Solver.Solve(x, &step.Plates, step.Tolerance, step.MaximumNewtonSteps, progress);
-}
-
 EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vector<double>& last,
   const PlatePair& lastPlates, const LoadStep& step, const ProgressCallback& progress)
 {
-  this->Solver.SetContactStiffness(step.ContactStiffness);
+  const auto solveFrozen = [&] {
+    return this->Solver.Solve(x, &step.Plates, step.Tolerance, step.MaximumNewtonSteps, progress);
+  };
+  this->Solver.Energy().SetContactStiffness(step.ContactStiffness);
   if (this->Coefficient == 0)
   {
-    return this->SolveFrozen(x, step, progress);
+    return solveFrozen();
   }
-  this->Solver.SetFriction(
+  this->Solver.Energy().SetFriction(
     this->Solver.FrictionAt(last, lastPlates, this->Coefficient, this->Previous));
   const double wanted = step.Tolerance < LoadStep::IntermediateTolerance
     ? FrictionTolerance
@@ -77,21 +74,21 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
   double residualBefore = std::numeric_limits<double>::infinity();
   for (int update = 0;; ++update)
   {
-    EquilibriumReport report = this->SolveFrozen(x, step, progress);
+    EquilibriumReport report = solveFrozen();
     newtonSteps += report.NewtonSteps;
     report.NewtonSteps = newtonSteps;
     if (!report.Converged)
     {
       return report;
     }
-    FrictionPoints used = this->Solver.Friction();
+    FrictionPoints used = this->Solver.Energy().Friction().Points();
     const FrictionPoints found =
       this->Solver.FrictionAt(x, step.Plates, this->Coefficient, this->Previous);
-    this->Solver.SetFriction(found);
+    this->Solver.Energy().SetFriction(found);
     const double residual = this->Solver.Evaluate(x, &step.Plates).RelativeResidual;
     if (residual <= wanted)
     {
-      this->Solver.SetFriction(std::move(used));
+      this->Solver.Energy().SetFriction(std::move(used));
       return report;
     }
     if (update == MostFrictionUpdates)
@@ -108,19 +105,20 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
     part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart)
                                                        : part;
     residualBefore = residual;
-    this->Solver.SetFriction(BlendedFriction(std::move(used), found, part));
+    this->Solver.Energy().SetFriction(BlendedFriction(std::move(used), found, part));
   }
 }
 
 void LaggedFriction::Arrived(const std::vector<double>& x, const PlatePair& plates)
 {
-  this->Previous.Dragged = DraggedTo(this->Body, x, plates, this->Solver.Friction());
+  this->Previous.Dragged =
+    DraggedTo(this->Body, x, plates, this->Solver.Energy().Friction().Points());
 }
 
 int LaggedFriction::Untangle(std::vector<double>& x, const LoadStep& step,
   const ProgressCallback& progress)
 {
-  this->Solver.SetContactStiffness(step.ContactStiffness);
+  this->Solver.Energy().SetContactStiffness(step.ContactStiffness);
   return this->Solver.Admissible(x)
     ? 0
     : this->Solver.Untangle(x, &step.Plates, step.Tolerance, step.MaximumNewtonSteps, progress)

@@ -33,9 +33,6 @@ public:
     const ProgressCallback& progress) override;
 
 private:
-  EquilibriumReport SolveFrozen(std::vector<double>& x, const LoadStep& step,
-    const ProgressCallback& progress);
-
   EquilibriumSolver& Solver;
   const ElasticBody& Body;
   const double Coefficient;

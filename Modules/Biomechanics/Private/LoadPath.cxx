@@ -146,23 +146,6 @@ void LoadPath::Fail(const std::string& reason) const
   throw NoEquilibrium(GapMm(this->Target), this->LastGap, reason);
 }
 
-void LoadPath::Keep(const EquilibriumReport& report, std::vector<double>& x,
-  const PlatePair& plates)
-{
-  CompressionState& state = this->Current;
-  state.Positions.swap(x);
-  state.Plates = plates;
-  state.PaddleForceN = report.PaddleForceN;
-  state.SupportForceN = report.SupportForceN;
-  state.LargestPenetrationMm = report.LargestPenetrationMm;
-  state.SmallestJ = report.SmallestJ;
-  state.LargestJ = report.LargestJ;
-  state.VolumeRatio = report.VolumeRatio;
-  state.RelativeResidual = report.RelativeResidual;
-  state.LargestWallLiftMm = report.LargestWallLiftMm;
-  state.LargestWallGlideMm = report.LargestWallGlideMm;
-}
-
 /// Returns false and sets Reason if the step fails; otherwise the state is updated.
 bool LoadPath::TakeStep(std::vector<double>& x, const LoadStep& step)
 {
@@ -172,7 +155,9 @@ bool LoadPath::TakeStep(std::vector<double>& x, const LoadStep& step)
   this->Reason = report.Reason;
   if (report.Converged)
   {
-    this->Keep(report, x, step.Plates);
+    static_cast<EquilibriumMeasures&>(this->Current) = report;
+    this->Current.Positions.swap(x);
+    this->Current.Plates = step.Plates;
   }
   return report.Converged;
 }

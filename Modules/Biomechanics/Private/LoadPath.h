@@ -3,9 +3,6 @@
 #define mammoray_LoadPath_h
 
 #include "Private/EquilibriumReport.h"
-#include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/Plates.h"
-#include "mammoray/Foundation/Progress.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <limits>
@@ -103,7 +100,6 @@ private:
   void Polish();
   bool StiffenWherePenetrated();
   bool TakeStep(std::vector<double>& x, const LoadStep& step);
-  void Keep(const EquilibriumReport& report, std::vector<double>& x, const PlatePair& plates);
   double StiffnessAt(double softness) const { return this->Options.ContactStiffness * softness; }
   int IntermediateSteps() const;
   double AtLeast(double tolerance) const;

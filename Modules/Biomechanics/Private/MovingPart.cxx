@@ -72,20 +72,25 @@ MovingPart::MovingPart(const ElasticBody& body, const std::vector<bool>& fixed,
   }
 }
 
+void MovingPart::AddAtNode(std::int32_t node, const Vector3& force, double* column) const
+{
+  for (int i = 0; i < 3; ++i)
+  {
+    const std::int32_t unknown = this->UnknownOfCoordinate[3 * node + i];
+    if (unknown >= 0)
+    {
+      column[unknown] += force[i];
+    }
+  }
+}
+
 void MovingPart::AddAtFace(const ElasticBody::BoundaryFace& face,
   const std::array<double, 6>& shape, const Vector3& force, double* column) const
 {
   const std::span<const std::int32_t> nodes = this->WholeBody.NodesOf(face.Element);
   for (int a = 0; a < this->WholeBody.NodesPerFace(); ++a)
   {
-    for (int i = 0; i < 3; ++i)
-    {
-      const std::int32_t unknown = this->UnknownOfCoordinate[3 * nodes[face.LocalNodes[a]] + i];
-      if (unknown >= 0)
-      {
-        column[unknown] += shape[a] * force[i];
-      }
-    }
+    this->AddAtNode(nodes[face.LocalNodes[a]], shape[a] * force, column);
   }
 }
 }

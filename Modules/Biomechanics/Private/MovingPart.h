@@ -44,6 +44,8 @@ public:
   /// Undeformed volume of the elements that do not move, mm^3, at construction.
   double RigidVolume() const { return this->VolumeAtRest; }
 
+  /// Adds a force at a node to a column of unknowns.
+  void AddAtNode(std::int32_t node, const Vector3& force, double* column) const;
   /// Adds a force at a point of a boundary face, given by its shape functions, to a column of
   /// unknowns.
   void AddAtFace(const ElasticBody::BoundaryFace& face, const std::array<double, 6>& shape,

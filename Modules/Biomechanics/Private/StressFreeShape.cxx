@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/StressFreeShape.h"
 
+#include "Private/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Core>
+#include <Eigen/UmfPackSupport>
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace mammoray
 {
@@ -35,19 +38,84 @@ double NormOf(const std::vector<double>& v)
 }
 }
 
+/// The L U factorisation of the inverse problem's Jacobian by UMFPACK's multifrontal method (Davis
+/// 2004). The pattern is ordered and analysed once.
+struct StressFreeShape::JacobianFactor
+{
+  using Matrix = Eigen::SparseMatrix<double>;
+
+  const InverseEquilibrium& Inverse;
+  Eigen::UmfPackLU<Matrix> Lu;
+  bool Usable = false;
+
+  explicit JacobianFactor(const InverseEquilibrium& inverse)
+    : Inverse(inverse)
+  {
+    this->Lu.umfpackControl()[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
+    this->Lu.umfpackControl()[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+    // SolveExactly refines by itself, with the Jacobian it needs.
+    this->Lu.umfpackControl()[UMFPACK_IRSTEP] = 0;
+    const std::vector<double> zeros(inverse.Pattern().Rows.size(), 0.0);
+    this->Lu.analyzePattern(this->View(zeros));
+    if (this->Lu.info() != Eigen::Success)
+    {
+      throw ConvergenceError("unloading: UMFPACK could not order the Jacobian");
+    }
+  }
+  Eigen::Map<const Matrix> View(const std::vector<double>& values) const
+  {
+    const SparsePattern& pattern = this->Inverse.Pattern();
+    const auto size = static_cast<Eigen::Index>(pattern.Starts.size()) - 1;
+    return { size, size, static_cast<Eigen::Index>(values.size()), pattern.Starts.data(),
+      pattern.Rows.data(), values.data() };
+  }
+  /// Returns false if the Jacobian of the last evaluation is singular.
+  bool Factorize()
+  {
+    const SingleThreaded single;
+    this->Lu.factorize(this->View(this->Inverse.Jacobian()));
+    if (this->Lu.umfpackFactorizeReturncode() == UMFPACK_ERROR_out_of_memory)
+    {
+      throw std::bad_alloc();
+    }
+    this->Usable = this->Lu.info() == Eigen::Success;
+    return this->Usable;
+  }
+  /// Solves in place for the right-hand sides stored one after the other in `columns`.
+  void Solve(std::vector<double>& columns) const
+  {
+    const std::size_t size = this->Inverse.Coordinates().size();
+    for (std::size_t begin = 0; begin < columns.size(); begin += size)
+    {
+      Eigen::Map<Eigen::VectorXd> column(&columns[begin], static_cast<Eigen::Index>(size));
+      const Eigen::VectorXd solution = this->Lu.solve(column);
+      column = solution;
+    }
+  }
+  /// y = A x for the Jacobian of the last evaluation.
+  void Multiply(const double* x, double* y) const
+  {
+    const auto size = static_cast<Eigen::Index>(this->Inverse.Coordinates().size());
+    Eigen::Map<Eigen::VectorXd>(y, size).noalias() =
+      this->View(this->Inverse.Jacobian()) * Eigen::Map<const Eigen::VectorXd>(x, size);
+  }
+};
+
 StressFreeShape::StressFreeShape(InverseEquilibrium& inverse, EquilibriumSolver& solver,
   double tolerance)
   : Inverse(inverse)
   , Solver(solver)
-  , Factor(Inverse.Pattern().Starts, Inverse.Pattern().Rows)
+  , Factor(std::make_unique<JacobianFactor>(inverse))
   , Tolerance(tolerance)
   , Y(Inverse.Unloaded())
 {
 }
 
+StressFreeShape::~StressFreeShape() = default;
+
 double StressFreeShape::Find(const ProgressCallback& progress)
 {
-  this->Factor.Forget();
+  this->Factor->Usable = false;
   this->Set(this->Inverse.Unloaded());
   double done = 0;
   for (double step = 1; done < 1;)
@@ -85,14 +153,14 @@ bool StressFreeShape::MoveTo(double part, const ProgressCallback& progress)
     this->Set(this->Y);
     throw;
   }
-  this->Factor.Forget();
+  this->Factor->Usable = false;
   this->Set(this->Y);
   return false;
 }
 
 void StressFreeShape::TakeForWhole()
 {
-  this->Factor.Forget();
+  this->Factor->Usable = false;
   this->Set(this->Y);
 }
 
@@ -102,11 +170,6 @@ void StressFreeShape::Set(const std::vector<double>& y)
   this->Inverse.SetLoadedPart(1);
   this->Inverse.Evaluate(this->Y, false);
   this->Solver.BodyChanged();
-}
-
-bool StressFreeShape::FactorizeAt(const std::vector<double>& y)
-{
-  return this->Inverse.Evaluate(y, true) && this->Factor.Factorize(this->Inverse.Jacobian());
 }
 
 bool StressFreeShape::Newton(std::vector<double>& y, const ProgressCallback& progress)
@@ -119,15 +182,16 @@ bool StressFreeShape::Newton(std::vector<double>& y, const ProgressCallback& pro
   for (int taken = 0; this->Inverse.RelativeResidual() > this->Tolerance; ++taken)
   {
     ReportProgress(progress, 0, "unloading");
-    const bool kept = this->Factor.Usable();
+    const bool kept = this->Factor->Usable;
     factors += kept ? 0 : 1;
-    if (taken == MostNewtonSteps || factors > MostFactors || (!kept && !this->FactorizeAt(y)))
+    if (taken == MostNewtonSteps || factors > MostFactors ||
+      (!kept && !(this->Inverse.Evaluate(y, true) && this->Factor->Factorize())))
     {
       return false;
     }
     if (!this->TakeStep(y))
     {
-      this->Factor.Forget();
+      this->Factor->Usable = false;
       if (!kept)
       {
         return false;
@@ -147,7 +211,7 @@ bool StressFreeShape::TakeStep(std::vector<double>& y)
 {
   const std::vector<std::int32_t>& coordinates = this->Inverse.Coordinates();
   std::vector<double> step = this->Inverse.Forces();
-  this->Factor.Solve(step);
+  this->Factor->Solve(step);
   const double before = NormOf(step);
   std::vector<double> trial;
   for (double length = 1; length >= ShortestStep; length *= 0.5)
@@ -162,7 +226,7 @@ bool StressFreeShape::TakeStep(std::vector<double>& y)
       continue;
     }
     std::vector<double> next = this->Inverse.Forces();
-    this->Factor.Solve(next);
+    this->Factor->Solve(next);
     const double after = NormOf(next);
     if (after <= (1 - 0.25 * length) * before ||
       this->Inverse.RelativeResidual() <= this->Tolerance)
@@ -170,7 +234,7 @@ bool StressFreeShape::TakeStep(std::vector<double>& y)
       y.swap(trial);
       if (after > FastContraction * before)
       {
-        this->Factor.Forget();
+        this->Factor->Usable = false;
       }
       return true;
     }
@@ -185,9 +249,9 @@ std::vector<double> StressFreeShape::SolveExactly(const std::vector<double>& rig
   this->Inverse.Evaluate(this->Y, true);
   const std::size_t n = this->Inverse.Coordinates().size();
   const double size = NormOf(right);
-  for (bool kept = this->Factor.Usable();; kept = false)
+  for (bool kept = this->Factor->Usable;; kept = false)
   {
-    if (!kept && !this->Factor.Factorize(this->Inverse.Jacobian()))
+    if (!kept && !this->Factor->Factorize())
     {
       throw ConvergenceError("sensitivities: expected a stress-free shape that changes smoothly, "
                              "found a singular one");
@@ -197,12 +261,12 @@ std::vector<double> StressFreeShape::SolveExactly(const std::vector<double>& rig
     double last = size;
     for (int pass = 0; pass < MostLinearRefinements; ++pass)
     {
-      this->Factor.Solve(residual);
+      this->Factor->Solve(residual);
       std::transform(solution.begin(), solution.end(), residual.begin(), solution.begin(),
         [](double a, double b) { return a + b; });
       for (std::size_t begin = 0; begin < right.size(); begin += n)
       {
-        this->Factor.Multiply(this->Inverse.Jacobian(), &solution[begin], &residual[begin]);
+        this->Factor->Multiply(&solution[begin], &residual[begin]);
       }
       std::transform(right.begin(), right.end(), residual.begin(), residual.begin(),
         [](double a, double b) { return a - b; });

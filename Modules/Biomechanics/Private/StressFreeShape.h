@@ -4,11 +4,11 @@
 
 #include "Private/EquilibriumSolver.h"
 #include "Private/InverseEquilibrium.h"
-#include "Private/SparseLu.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammorayBiomechanicsModule.h"
 
+#include <memory>
 #include <vector>
 
 namespace mammoray
@@ -26,6 +26,7 @@ public:
   /// `solver`, of the same body, decides whether an equilibrium is stable. `tolerance` is the
   /// relative residual. `inverse` and `solver` must outlive this object.
   StressFreeShape(InverseEquilibrium& inverse, EquilibriumSolver& solver, double tolerance);
+  ~StressFreeShape();
 
   /// Increases gravity in steps from the body without load, smaller ones where a step fails.
   /// Returns the fraction of gravity that the tissue can carry: 1, or the largest fraction to 2.5 %
@@ -53,12 +54,12 @@ public:
 private:
   bool Newton(std::vector<double>& y, const ProgressCallback& progress);
   bool TakeStep(std::vector<double>& y);
-  bool FactorizeAt(const std::vector<double>& y);
   std::vector<double> SolveExactly(const std::vector<double>& right);
 
   InverseEquilibrium& Inverse;
   EquilibriumSolver& Solver;
-  SparseLu Factor;
+  struct JacobianFactor;
+  std::unique_ptr<JacobianFactor> Factor;
   double Tolerance;
   std::vector<double> Y;
 };
