@@ -4,8 +4,7 @@
 #include "mammoray/Foundation/Vector3.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <array>
 
 namespace mammoray
 {
@@ -28,19 +27,12 @@ LabelVolume Resized(LabelVolume materials, double factor)
 
 LabelVolume Mirrored(LabelVolume materials, const Vector3& axis)
 {
-  int along = 0;
-  for (int index = 1; index < 3; ++index)
-  {
-    along = std::abs(Dot(materials.Direction[index], axis)) >
-        std::abs(Dot(materials.Direction[along], axis))
-      ? index
-      : along;
-  }
+  const std::size_t along = materials.AxisAlong(axis);
   const LabelVolume original = materials;
   original.ForEachVoxel(
     [&](int i, int j, int k, std::size_t voxel)
     {
-      int at[3] = { i, j, k };
+      std::array<int, 3> at{ i, j, k };
       at[along] = original.Size[along] - 1 - at[along];
       materials.Voxels[voxel] = original.Voxels[original.Index(at[0], at[1], at[2])];
     });
@@ -50,39 +42,23 @@ LabelVolume Mirrored(LabelVolume materials, const Vector3& axis)
 LabelVolume WithoutQuarter(LabelVolume materials, const std::vector<bool>& held,
   const Vector3& axis)
 {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -least;
-  const auto ofBreast = [&](std::size_t voxel)
-  {
-    const std::size_t material = materials.Voxels[voxel];
-    return material != 0 && !held[material];
-  };
+  Extent extent;
   const auto forEachOfBreast = [&](const auto& visit)
   {
     materials.ForEachVoxel(
       [&](int i, int j, int k, std::size_t voxel)
       {
-        if (ofBreast(voxel))
+        const std::size_t material = materials.Voxels[voxel];
+        if (material != 0 && !held[material])
         {
           visit(voxel, Dot(materials.PointAt(i, j, k), axis));
         }
       });
   };
-  forEachOfBreast(
-    [&](std::size_t, double place)
-    {
-      least = std::min(least, place);
-      most = std::max(most, place);
-    });
-  const double end = most - 0.25 * (most - least);
-  forEachOfBreast(
-    [&](std::size_t voxel, double place)
-    {
-      if (place > end)
-      {
-        materials.Voxels[voxel] = 0;
-      }
-    });
+  forEachOfBreast([&](std::size_t, double place) { extent.Add(place); });
+  const double end = extent.High - 0.25 * extent.Length();
+  forEachOfBreast([&](std::size_t voxel, double place)
+    { materials.Voxels[voxel] = place > end ? std::uint16_t{ 0 } : materials.Voxels[voxel]; });
   return materials;
 }
 }

@@ -240,6 +240,21 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& fix
   return extent.Anchor();
 }
 
+Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& fixed,
+  const AnatomicalAxes& axes)
+{
+  const auto isFixed = [&fixed](std::uint16_t material)
+  { return material < fixed.size() && fixed[material]; };
+  TissueExtent extent(axes);
+  for (std::size_t corner = 0; corner < surface.Triangles.size(); ++corner)
+  {
+    const double* const point = &surface.Points[3 * std::size_t{ surface.Triangles[corner] }];
+    extent.Add({ point[0], point[1], point[2] }, { 0, 0, 0 },
+      isFixed(surface.FrontMaterials[corner / 3]) || isFixed(surface.BackMaterials[corner / 3]));
+  }
+  return extent.Anchor();
+}
+
 VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
   const MammographyUnit& unit, const BreastPose& pose)
 {

@@ -147,6 +147,11 @@ MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
+/// The anchor of a surface: the middle of its bounding box across and along the body, at the front
+/// of the fixed tissue, or at the posterior end if no material is fixed.
+MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface,
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes);
+
 /// Replaces by air all tissue except the breast (as in FindPoseAnchor) and the tissue behind it.
 /// Throws InputError if the volume contains only air.
 MAMMORAYFOUNDATION_EXPORT LabelVolume KeepBreast(const LabelVolume& materials,

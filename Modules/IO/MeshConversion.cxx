@@ -21,7 +21,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -290,35 +289,5 @@ vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
   }
   AddMaterialNames(result, materialNames);
   return result;
-}
-
-Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,
-  const AnatomicalAxes& axes)
-{
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
-  double low[3] = { infinity, infinity, infinity };
-  double high[3] = { -infinity, -infinity, -infinity };
-  double heldFront = -infinity;
-  const auto isHeld = [&held](std::uint16_t material)
-  { return material < held.size() && held[material]; };
-  for (std::size_t corner = 0; corner < surface.Triangles.size(); ++corner)
-  {
-    const std::uint32_t id = surface.Triangles[corner];
-    const Vector3 point{ surface.Points[3 * id], surface.Points[3 * id + 1],
-      surface.Points[3 * id + 2] };
-    for (int d = 0; d < 3; ++d)
-    {
-      low[d] = std::min(low[d], Dot(point, directions[d]));
-      high[d] = std::max(high[d], Dot(point, directions[d]));
-    }
-    if (isHeld(surface.FrontMaterials[corner / 3]) || isHeld(surface.BackMaterials[corner / 3]))
-    {
-      heldFront = std::max(heldFront, Dot(point, axes.Anterior));
-    }
-  }
-  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
-  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
-    0.5 * (low[2] + high[2]) * axes.Superior;
 }
 }

@@ -62,14 +62,6 @@ MAMMORAYIO_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
 /// the field array "MaterialNames"; positions in single precision, 1e-5 mm of 100 mm.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
   const std::vector<std::string>& materialNames);
-
-/**
- * FindPoseAnchor for a mesh: the middle of its bounding box across and along the body, at the front
- * of the fixed tissue, or at the posterior end where no material is fixed. `held[m]` tells whether
- * m is fixed.
- */
-MAMMORAYIO_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,
-  const AnatomicalAxes& axes);
 }
 
 #endif
