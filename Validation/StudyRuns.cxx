@@ -8,7 +8,7 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegisteredBreast.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyAnswers.h"
 #include "mammoray/Study/StudyCase.h"

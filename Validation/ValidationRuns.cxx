@@ -5,7 +5,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -6,7 +6,7 @@
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/Volumes.h"
-#include "mammoray/Study/StudyTruth.h"
+#include "mammoray/Study/StudyAnswers.h"
 
 #include <array>
 #include <cstdint>

@@ -6,7 +6,6 @@
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyAnswers.h"
-#include "mammoray/Study/StudyTruth.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -39,7 +39,6 @@ struct MeshArguments
   std::string Output;
   std::string Check;
   std::string Report;
-  std::string Picture;
   std::string CutPicture;
 };
 
@@ -70,7 +69,6 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
     "of defect)");
   add("--report", arguments.Report,
     "write volumes, cell quality and troubles with their places (.json)");
-  add("--picture", arguments.Picture, "draw histograms of the cells' quality (.png)");
   add("--cut-picture", arguments.CutPicture,
     "draw three plane cuts through the middle of the mesh, coloured by material (.png)");
 }
@@ -157,13 +155,12 @@ void ParseCase(MeshArguments& arguments)
 void CheckReportFiles(const MeshArguments& arguments)
 {
   CheckOutputFileIfAny(arguments.Report);
-  CheckPictureFile(arguments.Picture);
   CheckPictureFile(arguments.CutPicture);
 }
 
 /// Writes the report and pictures that were requested. `grid` may be null if there are no cuts.
 void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
-  const MeshCheck& check, const std::vector<std::string>& names, vtkUnstructuredGrid* grid)
+  const std::vector<std::string>& names, vtkUnstructuredGrid* grid)
 {
   if (!arguments.CutPicture.empty())
   {
@@ -172,10 +169,6 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   if (!arguments.Report.empty())
   {
     WriteAtomicFile(arguments.Report, report);
-  }
-  if (!arguments.Picture.empty())
-  {
-    WriteQualityPicture(check, names, arguments.Picture);
   }
 }
 
@@ -244,7 +237,7 @@ void RunCheck(const MeshArguments& arguments)
     }
     check = CheckSurface(ReadSurface(arguments.Check, &names), MakeProgressBar());
   }
-  WriteReportFiles(arguments, CheckReport(check, names), check, names, grid);
+  WriteReportFiles(arguments, CheckReport(check, names), names, grid);
   PrintCheck(check, names);
   for (const MeshDefect& defect : check.Defects)
   {
@@ -349,7 +342,7 @@ void Run(MeshArguments& arguments)
   const std::vector<std::string> names = result.Materials.Names();
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ToGrid(result.Meshed.Mesh, names);
   WriteMesh(grid, arguments.Output);
-  WriteReportFiles(arguments, MeshReport(arguments.Case, result), result.Check, names, grid);
+  WriteReportFiles(arguments, MeshReport(arguments.Case, result), names, grid);
   PrintMesh(result);
   WarnOfLosses(result);
 }

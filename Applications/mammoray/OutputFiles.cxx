@@ -4,7 +4,7 @@
 #include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 
 #include <CLI/CLI.hpp>
 

@@ -10,7 +10,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Study/RegistrationCase.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
 #include "mammoray/Study/StudyCase.h"
 
 #include <cmath>

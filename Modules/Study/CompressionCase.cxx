@@ -9,8 +9,8 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Study/CompressionGrids.h"
+#include "mammoray/Study/LabelSource.h"
 #include "mammoray/Study/StudyPictures.h"
-#include "mammoray/Study/CutTissue.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -2,9 +2,12 @@
 #ifndef mammoray_LabelSource_h
 #define mammoray_LabelSource_h
 
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammorayStudyModule.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -48,6 +51,35 @@ struct LabelSource
  */
 MAMMORAYSTUDY_EXPORT LabelVolume ReadMaterials(const LabelSource& source,
   const MaterialTable& table);
+
+/// An end of a grid: before the first or after the last voxel of an axis.
+struct GridSide
+{
+  std::size_t Axis = 0;
+  bool AtEnd = false;
+};
+
+/// Names of the sides: "i-", "i+", "j-", "j+", "k-", "k+".
+MAMMORAYSTUDY_EXPORT const std::vector<std::string>& GridSides();
+/// The side of a name. Throws InputError on other names.
+MAMMORAYSTUDY_EXPORT GridSide FindGridSide(const std::string& name);
+
+/**
+ * The tissue that was cut off when `kept` was taken out of `whole` (the same grid): what only
+ * `whole` has, and beyond the ends `sides` of its tissue a layer of 20 mm that continues the last
+ * voxels. Thin materials (skin) are not continued: they were not cut. Material indices, 0
+ * elsewhere; on the axes of the volumes, in the same frame. Throws InputError on other sides than
+ * GridSides, on grids of two sizes and if `whole` is empty.
+ */
+MAMMORAYSTUDY_EXPORT LabelVolume CutTissue(const LabelVolume& whole, const LabelVolume& kept,
+  const MaterialTable& table, const std::vector<std::string>& sides);
+
+/// A function that tells for simulations whether a point lies in tissue that was cut off
+/// (BodyField).
+MAMMORAYSTUDY_EXPORT BodyField InCutTissue(LabelVolume cut);
+/// The same for a volume whose body continues beyond these sides. Empty if there are no sides.
+MAMMORAYSTUDY_EXPORT BodyField InCutTissue(const LabelVolume& materials, const MaterialTable& table,
+  const std::vector<std::string>& sides);
 }
 
 #endif

@@ -6,10 +6,17 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/SurfaceMesher.h"
+#include "mammoray/Study/StudyPictures.h"
 
 #include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace mammoray
 {
@@ -100,6 +107,79 @@ MeshingResult Fill(const MeshCase& input, const MaterialTable& table, const Mesh
     ? MeshMaterialSurfaces(materials, options, progress)
     : MeshMaterials(materials, options, progress);
 }
+
+using Json = nlohmann::ordered_json;
+
+Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  Json json;
+  json["sound"] = check.Sound();
+  json["points"] = check.Points;
+  json["cells"] = check.Cells;
+  json["interface_triangles"] = check.Triangles;
+  json["troubles"] = Json::array();
+  for (const MeshDefect& defect : check.Defects)
+  {
+    Json entry{ { "text", defect.Text(names) }, { "count", defect.Count } };
+    for (const MeshDefect::Place& place : defect.Places)
+    {
+      entry["places"].push_back({ { "point_mm", place.Point },
+        { "material", place.Material < 0 ? Json() : Json(NameOfMaterial(place.Material, names)) },
+        { "border_mm", place.LengthMm } });
+    }
+    json["troubles"].push_back(entry);
+  }
+  json["dihedral_step_deg"] = MeshCheck::DihedralStepDeg;
+  json["radius_edge_step"] = MeshCheck::RadiusEdgeStep;
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    json["per_material"].push_back({ { "material", NameOfMaterial(entry.Material, names) },
+      { "volume_mm3", entry.VolumeMm3 }, { "boundary_triangles", entry.BoundaryTriangles },
+      { "boundary_area_mm2", entry.BoundaryAreaMm2 }, { "cells", entry.Cells },
+      { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
+      { "smallest_dihedral_place_mm", entry.SmallestDihedralPlace },
+      { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio },
+      { "largest_radius_edge_place_mm", entry.LargestRadiusEdgePlace },
+      { "dihedral_histogram", entry.DihedralHistogram },
+      { "radius_edge_histogram", entry.RadiusEdgeHistogram } });
+  }
+  return json;
+}
+
+double Seconds(const timeval& time)
+{
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+Json SurfacesJson(const MeshCase& input)
+{
+  Json surfaces = Json::array();
+  for (const auto& [material, path] : input.Surfaces)
+  {
+    surfaces.push_back(material + "=" + path);
+  }
+  return surfaces;
+}
+
+Vector3 MiddleOf(vtkUnstructuredGrid* grid)
+{
+  Vector3 middle;
+  grid->GetCenter(middle.data());
+  // The middle itself may lie between two bodies.
+  const TetrahedralMesh mesh = FromGrid(grid);
+  Vector3 point = middle;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    const Vector3 centre = mesh.CellCentre(cell);
+    if (const double distance = Norm(centre - middle); distance < nearest)
+    {
+      nearest = distance;
+      point = centre;
+    }
+  }
+  return point;
+}
 }
 
 double FacetSizeMm(const MeshingOptions& options, int material)
@@ -125,5 +205,49 @@ MeshCaseResult RunMeshCase(const MeshCase& input, const ProgressCallback& progre
     }
   }
   return result;
+}
+
+std::string NameOfMaterial(int material, const std::vector<std::string>& names)
+{
+  const auto index = static_cast<std::size_t>(material);
+  return index < names.size() ? names[index] : "material " + std::to_string(material);
+}
+
+std::string CheckReport(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  return CheckJson(check, names).dump(2) + "\n";
+}
+
+std::string MeshReport(const MeshCase& input, const MeshCaseResult& result)
+{
+  const std::vector<std::string> names = result.Materials.Names();
+  Json report;
+  report["labels"] = input.Labels.Path;
+  report["surfaces"] = SurfacesJson(input);
+  report["materials"] = input.Materials;
+  const bool fromLabels = input.Surfaces.empty() || input.SurfaceVoxelsMm;
+  report["method"] = fromLabels && input.Filling == MeshCase::Method::Cgal ? "cgal" : "tetgen";
+  report["components"] = result.Meshed.Components;
+  report["merged_voxels"] = result.Meshed.MergedVoxels;
+  report["time_limit_reached"] = result.Meshed.TimeLimitReached;
+  report["seconds"] = result.Meshed.Seconds;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  report["processor_seconds"] = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  report["peak_memory_bytes"] = 1024 * static_cast<std::int64_t>(usage.ru_maxrss);
+  for (const MaterialReport& entry : result.Meshed.Reports)
+  {
+    report["volumes"].push_back({ { "material", NameOfMaterial(entry.Material, names) },
+      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 },
+      { "volume_kept", entry.KeepsVolume() } });
+  }
+  report.update(CheckJson(result.Check, names));
+  return report.dump(2) + "\n";
+}
+
+void WriteMeshCuts(vtkUnstructuredGrid* mesh, const std::vector<std::string>& names,
+  const std::string& path)
+{
+  WriteCutPicture(CutsThrough(mesh, MiddleOf(mesh)), names, path);
 }
 }

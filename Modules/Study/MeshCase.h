@@ -4,7 +4,6 @@
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Foundation/Vector3.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
 #include "mammoray/Study/LabelSource.h"
@@ -87,11 +86,6 @@ MAMMORAYSTUDY_EXPORT std::string CheckReport(const MeshCheck& check,
 /// Returns the same, and the inputs, the volume of each material before and after, and the
 /// processor time and memory of the process up to now.
 MAMMORAYSTUDY_EXPORT std::string MeshReport(const MeshCase& input, const MeshCaseResult& result);
-
-/// Draws histograms of the cells of each material (.png): of the smallest dihedral angle, and of
-/// the ratio of circumradius and shortest edge. Throws InputError if it cannot be written.
-MAMMORAYSTUDY_EXPORT void WriteQualityPicture(const MeshCheck& check,
-  const std::vector<std::string>& names, const std::string& path);
 
 /// Draws three plane cuts (.png) through the cell that is nearest to the middle of the mesh. Throws
 /// InputError if it cannot be written.

@@ -10,7 +10,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Study/CutTissue.h"
+#include "mammoray/Study/LabelSource.h"
 #include "mammoray/Study/StudyCase.h"
 
 #include "vtkUnstructuredGrid.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 
 #include "Private/AskedPlaces.h"
 #include "Private/Checkpoint.h"

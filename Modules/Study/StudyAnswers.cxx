@@ -7,7 +7,7 @@
 #include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegisteredBreast.h"
-#include "mammoray/Study/StudyTruth.h"
+#include "mammoray/Study/StudyAnswers.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -3,7 +3,7 @@
 
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Study/CutTissue.h"
+#include "mammoray/Study/LabelSource.h"
 #include "mammoray/Study/StudyPictures.h"
 
 #ifdef MAMMORAY_HAS_SEGMENTATION

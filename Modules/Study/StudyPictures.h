@@ -117,30 +117,6 @@ MAMMORAYSTUDY_EXPORT std::vector<int> EnclosedMaterials(const SurfaceMesh& surfa
 /// Draws a breast from far away, 720 pixels wide, with a legend of the tissues. Throws InputError
 /// without a surface.
 MAMMORAYSTUDY_EXPORT LayeredPicture DrawBreast(const BreastInSpace& breast);
-
-/// One panel of bars: how many things of each group fall into each bin.
-struct HistogramPanel
-{
-  /// Quantity and unit, such as "smallest dihedral angle [deg]".
-  std::string Title;
-  /// Width of a bin, in that unit; the first begins at 0.
-  double Step = 1;
-  struct Group
-  {
-    std::string Name;
-    /// One count for each bin; all groups have the same bins.
-    std::vector<std::size_t> Counts;
-  };
-  std::vector<Group> Groups;
-};
-
-/**
- * Draws panels side by side and writes .png. The height of a bar is on a square-root scale, so that
- * a few bad cells among many can be seen; colours divide it by the shares of the groups. Throws
- * InputError if there is nothing to draw or the file cannot be written.
- */
-MAMMORAYSTUDY_EXPORT void WriteHistogramPicture(const std::vector<HistogramPanel>& panels,
-  const std::string& path);
 }
 
 #endif

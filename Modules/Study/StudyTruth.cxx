@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/StudyTruth.h"
+#include "mammoray/Study/StudyAnswers.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"

@@ -7,7 +7,6 @@
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/StudyAnswers.h"
-#include "mammoray/Study/StudyTruth.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include <nlohmann/json.hpp>

@@ -18,7 +18,7 @@
 #include "mammoray/Study/Intake.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/ResultFile.h"
-#include "mammoray/Study/StudyTruth.h"
+#include "mammoray/Study/StudyAnswers.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
 #include "Refusals.h"
-#include "mammoray/Study/CutTissue.h"
+#include "mammoray/Study/LabelSource.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/Study/RegisteredBreast.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyCase.h"
 

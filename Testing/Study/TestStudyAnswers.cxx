@@ -2,7 +2,6 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Study/StudyAnswers.h"
-#include "mammoray/Study/StudyTruth.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

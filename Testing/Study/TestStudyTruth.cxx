@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "Refusals.h"
-#include "mammoray/Study/StudyTruth.h"
+#include "mammoray/Study/StudyAnswers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

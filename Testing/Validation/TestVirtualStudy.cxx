@@ -8,7 +8,7 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/Intake.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/StudyCase.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 

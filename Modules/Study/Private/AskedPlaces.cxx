@@ -7,7 +7,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredBreast.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/StudyCase.h"
 #include "mammoray/Study/StudyPictures.h"
 

@@ -8,7 +8,7 @@
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/Intake.h"
-#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/RegistrationCase.h"
 
 #include <filesystem>
 #include <fstream>
