@@ -71,10 +71,15 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMeshOfResult(const ResultFile& result,
   return grid;
 }
 
-/// Whether the compressed points are the uncompressed ones displaced.
+/// Whether the compressed mesh is the uncompressed one displaced.
 bool IsDisplaced(vtkUnstructuredGrid* uncompressed, vtkDataArray* displacement,
   vtkUnstructuredGrid* compressed)
 {
+  if (compressed->GetNumberOfPoints() != uncompressed->GetNumberOfPoints() ||
+    compressed->GetNumberOfCells() != uncompressed->GetNumberOfCells())
+  {
+    return false;
+  }
   for (vtkIdType point = 0; point < uncompressed->GetNumberOfPoints(); ++point)
   {
     Vector3 from;
@@ -116,12 +121,6 @@ BreastInUnit ReadBreastInUnit(const ResultFile& result)
       "/uncompressed.vtu: expected the point array 'Displacement' with 3 components");
   }
   breast.Compressed = ReadMeshOfResult(result, "compressed.vtu");
-  if (breast.Compressed->GetNumberOfPoints() != breast.Uncompressed->GetNumberOfPoints() ||
-    breast.Compressed->GetNumberOfCells() != breast.Uncompressed->GetNumberOfCells())
-  {
-    throw InputError(
-      result.Folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
-  }
   if (!IsDisplaced(breast.Uncompressed, displacement, breast.Compressed))
   {
     throw InputError(result.Folder +
@@ -294,14 +293,13 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
   }
   internal.Materials = breast.Uncompressed->GetCellData()->GetArray(MaterialArrayName);
   internal.Displacement->SetNumberOfComponents(3);
-  internal.Displacement->SetNumberOfTuples(count);
   for (vtkIdType id = 0; id < count; ++id)
   {
-    double from[3];
-    double to[3];
-    breast.Uncompressed->GetPoint(id, from);
-    breast.Compressed->GetPoint(id, to);
-    internal.Displacement->SetTuple3(id, to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+    Vector3 from;
+    Vector3 to;
+    breast.Uncompressed->GetPoint(id, from.data());
+    breast.Compressed->GetPoint(id, to.data());
+    internal.Displacement->InsertNextTuple((to - from).data());
   }
   if (!breast.Covariance.empty())
   {
@@ -422,13 +420,7 @@ std::vector<RaySegment> RegisteredBreast::ToVolume(double column, double row, do
       inside = false;
       continue;
     }
-    Vector3 rest{ 0, 0, 0 };
-    for (std::size_t corner = 0; corner < 4; ++corner)
-    {
-      double point[3];
-      internal.Breast.Uncompressed->GetPoint(place.Corners[corner], point);
-      rest = rest + place.Weights[corner] * Vector3{ point[0], point[1], point[2] };
-    }
+    const Vector3 rest = place.Interpolate(internal.Breast.Uncompressed->GetPoints()->GetData());
     const std::string material = internal.NameOf(place.Cell);
     if (!inside || material != before)
     {

@@ -37,6 +37,8 @@ struct AskedPlace
   double VolumeMm3 = 0;
   /// Slices through it.
   LayeredPicture Slices;
+  /// Label of a lesion; 0 for a point.
+  int Label = 0;
 };
 
 /// Where a mammogram shows such a place.

@@ -66,7 +66,7 @@ MAMMORAYSTUDY_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const M
   const ProgressCallback& progress = {}, bool acceptUnusual = false);
 
 /// The report's section on a study: what was taken and what was left out, and why; the tissue with
-/// a picture (SlicePicture); the warnings of both.
+/// a picture (DrawLabelSlices); the warnings of both.
 MAMMORAYSTUDY_EXPORT ReportSection StudySection(const StudyChoice& choice,
   const StudyTissue& tissue);
 }

@@ -11,7 +11,6 @@
 #include "mammoray/Study/StudyCase.h"
 #include "mammoray/Study/StudyPictures.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkNew.h"
 #include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
@@ -46,16 +45,16 @@ std::map<int, double> SharesOutside(const LabelVolume& lesions, const LabelVolum
   return shares;
 }
 
-LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3& point, int lesion)
+LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const AskedPlace& place)
 {
   PointSlices slices;
   slices.Image = result.Tissue ? &result.Tissue->Mri : result.Image.get();
   slices.Labels = result.Volume.get();
   slices.Axes = result.Axes;
   slices.Names = result.Materials.Names();
-  slices.Point = point;
-  slices.Lesions = lesion != 0 ? result.Lesions.get() : nullptr;
-  slices.LesionLabel = lesion;
+  slices.Point = place.Point;
+  slices.Lesions = place.Label != 0 ? result.Lesions.get() : nullptr;
+  slices.LesionLabel = place.Label;
   return DrawPointSlices(slices);
 }
 }
@@ -110,17 +109,17 @@ std::vector<AskedPlace> AskedOf(const RegistrationCase& input, const Registratio
   std::vector<AskedPlace> asked;
   if (input.Point)
   {
-    asked.push_back(
-      { "The point", "point", *input.Point, 0, SlicesThrough(result, *input.Point, 0) });
+    asked.push_back({ "The point", "point", *input.Point, 0, {}, 0 });
   }
-  if (result.Lesions)
+  for (const Lesion& lesion : result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>())
   {
-    for (const Lesion& lesion : FindLesions(*result.Lesions))
-    {
-      const std::string number = std::to_string(lesion.Label);
-      asked.push_back({ "Lesion " + number, number, lesion.Centre, lesion.VolumeMm3,
-        SlicesThrough(result, lesion.Centre, lesion.Label) });
-    }
+    const std::string number = std::to_string(lesion.Label);
+    asked.push_back(
+      { "Lesion " + number, number, lesion.Centre, lesion.VolumeMm3, {}, lesion.Label });
+  }
+  for (AskedPlace& place : asked)
+  {
+    place.Slices = SlicesThrough(result, place);
   }
   return asked;
 }
@@ -132,13 +131,13 @@ RegisteredBreast BreastOf(const RegistrationCaseResult& result, const Registered
   breast.Uncompressed = UncompressedGrid(result, registered);
   breast.Compressed = vtkSmartPointer<vtkUnstructuredGrid>::New();
   breast.Compressed->ShallowCopy(breast.Uncompressed);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfComponents(3);
-  values->SetNumberOfTuples(breast.Uncompressed->GetNumberOfPoints());
-  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
-    values->GetPointer(0));
+  const std::vector<double>& moved = registered.Registration.Points;
   vtkNew<vtkPoints> points;
-  points->SetData(values);
+  points->SetDataTypeToDouble();
+  for (std::size_t place = 0; place < moved.size(); place += 3)
+  {
+    points->InsertNextPoint(&moved[place]);
+  }
   breast.Compressed->SetPoints(points);
   DescribeUnit(file, breast);
   return RegisteredBreast(breast);
@@ -149,21 +148,17 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   const RegisteredBreast& breast)
 {
   std::vector<PlaceInMammogram> places;
-  const std::vector<Lesion> lesions =
-    result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>();
-  const std::size_t points = asked.size() - lesions.size();
   const auto projector = result.Lesions ? MakeProjector(input.Projector) : nullptr;
-  for (std::size_t index = 0; index < asked.size(); ++index)
+  for (const AskedPlace& place : asked)
   {
     try
     {
-      if (index < points)
+      if (place.Label == 0)
       {
-        places.push_back({ {}, breast.ToMammogram(asked[index].Point), {} });
+        places.push_back({ {}, breast.ToMammogram(place.Point), {} });
         continue;
       }
-      const LesionShadow shadow =
-        ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
+      const LesionShadow shadow = ProjectLesion(breast, *result.Lesions, place.Label, *projector);
       places.push_back({ {}, shadow.ImagedCentre, shadow.Outlines });
     }
     catch (const InputError& error) // the rest of the result is not lost for that
