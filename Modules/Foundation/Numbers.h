@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <istream>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mammoray
 {
@@ -74,6 +76,17 @@ inline std::string NumberText(double value, int digits)
   const std::string text(buffer, end);
   const bool zero = text.find_first_not_of("-0.") == std::string::npos;
   return text[0] != '-' ? text : (zero ? "" : "−") + text.substr(1);
+}
+
+/// The value below which a fraction [0, 1] of the values lies: the one of that rank, rounded down,
+/// not interpolated. There must be at least one value.
+template <typename Value>
+Value QuantileElement(std::vector<Value> values, double fraction)
+{
+  const auto place =
+    values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
 }
 
 /// Throws InputError "WHERE: expected NAME from LOW to HIGH, found VALUE" if the value is outside

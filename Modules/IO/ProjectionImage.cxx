@@ -4,6 +4,7 @@
 #include "Private/InputFile.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/AtomicFile.h"
 
 #include "vtkFloatArray.h"
@@ -257,10 +258,8 @@ vtkSmartPointer<vtkImageData> ToDeflectionImage(const Exposure& exposure,
 
 float FindWhite(const float* values, std::size_t count)
 {
-  std::vector<float> sorted(values, values + count);
-  const auto white = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
-  std::nth_element(sorted.begin(), white, sorted.end());
-  return *white > 0 ? *white : 1.0f;
+  const float white = QuantileElement(std::vector<float>(values, values + count), 0.999);
+  return white > 0 ? white : 1.0f;
 }
 
 void WriteRadiograph(vtkImageData* image, const std::string& path, const std::string& arrayName)

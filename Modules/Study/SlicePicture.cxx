@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Study/ContourLines.h"
 #include "mammoray/Study/StudyPictures.h"
 
@@ -86,9 +87,7 @@ public:
     {
       throw InputError("slice picture: expected labels, found only air");
     }
-    const auto bright = values.begin() + static_cast<std::ptrdiff_t>(0.995 * (values.size() - 1));
-    std::nth_element(values.begin(), bright, values.end());
-    this->White = std::max(*bright, 1e-30);
+    this->White = std::max(QuantileElement(std::move(values), 0.995), 1e-30);
     this->PixelMm =
       std::max({ this->Box[0].Length(), this->Box[1].Length(), this->Box[2].Length() }) /
       PanelPixels;

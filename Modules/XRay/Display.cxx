@@ -93,10 +93,7 @@ float Quantile(const std::vector<float>& values, const std::vector<float>& insid
       breast.push_back(values[pixel]);
     }
   }
-  const auto place =
-    breast.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(breast.size() - 1));
-  std::nth_element(breast.begin(), place, breast.end());
-  return *place;
+  return QuantileElement(std::move(breast), share);
 }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ProjectionPane.h"
 
+#include "mammoray/Foundation/Numbers.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,11 +36,9 @@ void ProjectionPane::Update(LiveProjection& live, int divisor)
 
 void ProjectionPane::ResetWindow()
 {
-  std::vector<float> sorted = this->Values;
-  const auto most = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
-  std::nth_element(sorted.begin(), most, sorted.end());
+  const float most = QuantileElement(this->Values, 0.999);
   this->Low = 0;
-  this->High = std::isfinite(*most) && *most > 1e-6F ? *most : 1;
+  this->High = std::isfinite(most) && most > 1e-6F ? most : 1;
   this->Compose();
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SlicePanes.h"
 
+#include "mammoray/Foundation/Numbers.h"
+
 #include "vtkCamera.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -60,12 +62,9 @@ vtkSmartPointer<vtkMatrix4x4> PlaceOf(const VolumeGrid& grid)
   return matrix;
 }
 
-double WhiteOf(std::vector<float> voxels)
+double WhiteOf(const std::vector<float>& voxels)
 {
-  const auto white = voxels.begin() +
-    static_cast<std::ptrdiff_t>(WhiteShare * static_cast<double>(voxels.size() - 1));
-  std::nth_element(voxels.begin(), white, voxels.end());
-  return std::max<double>(*white, 1e-6);
+  return std::max<double>(QuantileElement(voxels, WhiteShare), 1e-6);
 }
 }
 

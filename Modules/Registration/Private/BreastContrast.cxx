@@ -4,6 +4,7 @@
 #include "Private/AirLevel.h"
 #include "Private/PixelFilters.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +13,6 @@ namespace mammoray
 {
 namespace
 {
-float Quantile(std::vector<float> values, double fraction)
-{
-  const auto nth =
-    values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 std::vector<float> Select(const std::vector<float>& values, const PixelMask& mask)
 {
   std::vector<float> selected;
@@ -180,13 +173,13 @@ void FlattenAir(const PixelGrid& grid, const PixelMask& measured, float threshol
   {
     throw InputError("mammogram: expected a breast and air, found only one of them");
   }
-  double breast = Quantile(bodyValues, 0.5) - Quantile(airValues, 0.5);
+  double breast = QuantileElement(bodyValues, 0.5) - QuantileElement(airValues, 0.5);
   const auto flattenBy = [&](const PixelMask& trusted)
   {
     AirLevel level(grid, smooth, trusted, breast);
     contrast.Smooth = smooth;
     Subtract(grid, level, &AirLevel::LocalAt, contrast.Smooth);
-    breast = Quantile(Select(contrast.Smooth, body), 0.5);
+    breast = QuantileElement(Select(contrast.Smooth, body), 0.5);
     contrast.EdgeLevel = static_cast<float>(
       std::max(options.EdgeFraction * breast, options.EdgeSigmas * level.Sigma()));
     return level;
@@ -214,8 +207,8 @@ BreastContrast FindBreastContrast(const Mammogram& mammogram, const PixelGrid& g
   {
     throw InputError("mammogram: expected a picture, found padding only");
   }
-  const float low = Quantile(valid, 0.001);
-  const float high = Quantile(valid, 0.999);
+  const float low = QuantileElement(valid, 0.001);
+  const float high = QuantileElement(valid, 0.999);
   if (!(high > low))
   {
     throw InputError("mammogram: expected a breast and air, found a flat picture");

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Thresholds.h"
 
+#include "mammoray/Foundation/Numbers.h"
+
 #include <itkHistogram.h>
 #include <itkOtsuMultipleThresholdsCalculator.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace mammoray
 {
 double Quantile(std::vector<float> values, double fraction)
 {
-  const auto at =
-    values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return QuantileElement(std::move(values), fraction);
 }
 
 double MiddleOfShortestHalf(std::vector<float> values)
