@@ -417,12 +417,17 @@ void SetQuantity(const SceneSetting& setting, SceneDescription& description)
     description.Keys.push_back(setting.Key);
     return;
   }
-  if (!row || row->Quantity.Type == Kind::Sample || row->Quantity.Key == "unit")
+  const auto isSettable = [](const SceneRow& each)
+  { return each.Quantity.Type != Kind::Sample && each.Quantity.Key != "unit"; };
+  if (!row || !isSettable(*row))
   {
     std::vector<std::string> known;
-    for (const SceneRow& other : SceneRows())
+    for (const SceneRow& each : SceneRows())
     {
-      known.push_back(other.Quantity.Key);
+      if (isSettable(each))
+      {
+        known.push_back(each.Quantity.Key);
+      }
     }
     throw InputError(
       setting.Name + ": no quantity '" + setting.Key + "'; " + SpellingHint(setting.Key, known));

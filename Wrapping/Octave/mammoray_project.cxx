@@ -49,41 +49,23 @@ std::string SizeOf(const Matrix& matrix)
   return text;
 }
 
-template <typename Value>
-std::vector<double> ValuesOf(const mxArray* array)
-{
-  const auto* values = static_cast<const Value*>(mxGetData(array));
-  return { values, values + mxGetNumberOfElements(array) };
-}
-
 /// Of doubles, singles or whole numbers of any size.
 std::vector<double> NumbersOf(const mxArray* array, const std::string& name)
 {
-  switch (mxGetClassID(array))
+  if (!mxIsNumeric(array))
   {
-    case mxDOUBLE_CLASS:
-      return ValuesOf<double>(array);
-    case mxSINGLE_CLASS:
-      return ValuesOf<float>(array);
-    case mxINT8_CLASS:
-      return ValuesOf<std::int8_t>(array);
-    case mxUINT8_CLASS:
-      return ValuesOf<std::uint8_t>(array);
-    case mxINT16_CLASS:
-      return ValuesOf<std::int16_t>(array);
-    case mxUINT16_CLASS:
-      return ValuesOf<std::uint16_t>(array);
-    case mxINT32_CLASS:
-      return ValuesOf<std::int32_t>(array);
-    case mxUINT32_CLASS:
-      return ValuesOf<std::uint32_t>(array);
-    case mxINT64_CLASS:
-      return ValuesOf<std::int64_t>(array);
-    case mxUINT64_CLASS:
-      return ValuesOf<std::uint64_t>(array);
-    default:
-      throw InputError(name + ": expected a matrix of numbers, found " + mxGetClassName(array));
+    throw InputError(name + ": expected a matrix of numbers, found " + mxGetClassName(array));
   }
+  mxArray* input = mxDuplicateArray(array);
+  mxArray* doubles = nullptr;
+  if (mexCallMATLAB(1, &doubles, 1, &input, "double") != 0)
+  {
+    throw InputError(name + ": expected numbers that become double");
+  }
+  std::vector<double> numbers(mxGetPr(doubles), mxGetPr(doubles) + mxGetNumberOfElements(doubles));
+  mxDestroyArray(input);
+  mxDestroyArray(doubles);
+  return numbers;
 }
 
 Matrix ToArray(const mxArray* array, const std::string& name, std::size_t mostDimensions)
