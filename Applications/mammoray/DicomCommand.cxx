@@ -72,7 +72,7 @@ void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
     "a compressed breast that was registered to a mammogram");
   if (arguments.SamePatient)
   {
-    writing.Imitated = ReadDicomReference(arguments.Mammogram);
+    writing.Imitated = ReadMammogramHeader(arguments.Mammogram);
     writing.Identity = writing.Imitated->Identity;
   }
   WriteMammogram(synthetic, writing, path);

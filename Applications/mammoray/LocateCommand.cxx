@@ -249,7 +249,7 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
 }
 
 /// Writes one segment for each lesion.
-void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const DicomReference& image,
+void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const DicomHeader& image,
   const LocateArguments& arguments)
 {
   // Viewers group objects by study; its UID names nobody.
@@ -268,7 +268,7 @@ void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const Dico
 /// Every label of the volume is a lesion.
 void PrintLesions(const NamedBreast& registered, const LocateArguments& arguments)
 {
-  std::optional<DicomReference> image;
+  std::optional<DicomHeader> image;
   if (IsDicomPath(arguments.Output))
   {
     image = ReadRegisteredReference(arguments.Mammogram, registered.Breast.Detector());

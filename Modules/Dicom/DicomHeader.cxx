@@ -184,6 +184,7 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.View = MammogramViewOf(data);
   header.ViewModifiers = MammogramViewModifiers(data);
   header.Laterality = MammogramLaterality(data);
+  header.PatientOrientation = DicomTexts(data, DCM_PatientOrientation);
   header.PresentationIntent = MammogramIntent(data);
   header.BodyPartThicknessMm = DicomNumber(data, DCM_BodyPartThickness);
   header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
@@ -288,33 +289,23 @@ SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)
   return result;
 }
 
-DicomReference ReadDicomReference(const std::string& path)
+DicomHeader ReadMammogramHeader(const std::string& path)
 {
-  const DicomFile file(path, "a DICOM mammogram");
-  DcmItem& data = file.Data();
-  if (const std::string modality = DicomText(data, DCM_Modality); modality != "MG")
+  const std::optional<DicomHeader> header = ReadDicomHeader(path);
+  if (!header || header->Modality != "MG")
   {
-    throw InputError(
-      path + ": expected a mammogram (modality MG), found modality '" + modality + "'");
+    throw InputError(path + ": expected a DICOM mammogram (modality MG), found " +
+      (header ? "modality '" + header->Modality + "'" : "no DICOM header"));
   }
-  DicomReference reference;
-  reference.SopClassUid = DicomText(data, DCM_SOPClassUID);
-  reference.SopInstanceUid = DicomText(data, DCM_SOPInstanceUID);
-  reference.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
-  reference.PatientOrientation = DicomTexts(data, DCM_PatientOrientation);
-  reference.Identity = ReadIdentity(data);
-  reference.Rows = DicomShort(data, DCM_Rows).value_or(0);
-  reference.Columns = DicomShort(data, DCM_Columns).value_or(0);
-  if (reference.SopClassUid.empty() || reference.SopInstanceUid.empty() ||
-    reference.SeriesInstanceUid.empty() || reference.Identity.StudyInstanceUid.empty() ||
-    reference.Rows == 0 || reference.Columns == 0)
+  if (header->SopClassUid.empty() || header->SopInstanceUid.empty() ||
+    header->SeriesInstanceUid.empty() || header->Identity.StudyInstanceUid.empty() ||
+    header->Rows == 0 || header->Columns == 0)
   {
     throw InputError(path +
       ": expected a mammogram with UIDs of its class, instance, series and study, rows and "
-      "columns, "
-      "found some of them missing");
+      "columns, found some of them missing");
   }
-  return reference;
+  return *header;
 }
 
 void CheckDicomText(const std::string& text, const std::string& what)

@@ -109,6 +109,8 @@ struct DicomHeader : SlicePlace
   /// Meanings of the view modifier codes, e.g. "Magnification".
   std::vector<std::string> ViewModifiers;
   char Laterality = '?';
+  /// Patient directions of rows and columns as in the header ("A\R"). Empty if unknown.
+  std::string PatientOrientation;
   Mammogram::Intent PresentationIntent = Mammogram::Intent::ForPresentation;
   std::optional<double> BodyPartThicknessMm;
   std::optional<double> PositionerPrimaryAngleDeg;
@@ -146,22 +148,9 @@ struct SliceOrder
  */
 MAMMORAYDICOM_EXPORT SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices);
 
-/// Identifies a mammogram that another DICOM object refers to.
-struct DicomReference
-{
-  std::string SopClassUid;
-  std::string SopInstanceUid;
-  std::string SeriesInstanceUid;
-  /// Patient directions of rows and columns as in the header ("A\R"). Empty if unknown.
-  std::string PatientOrientation;
-  DicomIdentity Identity;
-  int Columns = 0;
-  int Rows = 0;
-};
-
-/// Throws InputError, one line that names the file, unless it is a DICOM mammogram with UIDs and
-/// size.
-MAMMORAYDICOM_EXPORT DicomReference ReadDicomReference(const std::string& path);
+/// Reads the header of a mammogram that another DICOM object refers to. Throws InputError, one line
+/// that names the file, unless it is a DICOM mammogram with UIDs and size.
+MAMMORAYDICOM_EXPORT DicomHeader ReadMammogramHeader(const std::string& path);
 }
 
 #endif

@@ -10,7 +10,7 @@ namespace mammoray
 namespace
 {
 
-void Check(const std::vector<DicomSegment>& segments, const DicomReference& image)
+void Check(const std::vector<DicomSegment>& segments, const DicomHeader& image)
 {
   if (segments.empty() || segments.size() > 65535)
   {
@@ -50,7 +50,7 @@ DcmItem Description(const DicomSegment& segment, std::size_t number)
 }
 
 /// Functional groups of one frame: which segment it is, and of which image.
-DcmItem FrameGroups(const DicomReference& image, std::size_t number)
+DcmItem FrameGroups(const DicomHeader& image, std::size_t number)
 {
   DcmItem source = ImageReference(image);
   Add(source,
@@ -78,7 +78,7 @@ void AddDimensions(DcmItem& data)
 }
 
 /// Common Instance Reference module: the image's series, in this study or in another.
-void AddReferencedSeries(DcmItem& data, const DicomReference& image)
+void AddReferencedSeries(DcmItem& data, const DicomHeader& image)
 {
   const std::string& study = image.Identity.StudyInstanceUid;
   const DicomElement series{ DCM_ReferencedSeriesSequence,
@@ -94,8 +94,7 @@ void AddReferencedSeries(DcmItem& data, const DicomReference& image)
 }
 
 /// One bit per pixel from the lowest of each byte, frames without a gap (PS3.5 section 8.1.1).
-void AddPixels(DcmItem& data, const std::vector<DicomSegment>& segments,
-  const DicomReference& image)
+void AddPixels(DcmItem& data, const std::vector<DicomSegment>& segments, const DicomHeader& image)
 {
   AddPixelDescription(data, image.Columns, image.Rows, 1);
   std::vector<std::uint8_t> bits((segments.size() * segments.front().Mask.size() + 7) / 8, 0);
@@ -112,7 +111,7 @@ void AddPixels(DcmItem& data, const std::vector<DicomSegment>& segments,
 }
 }
 
-void WriteSegmentation(const std::vector<DicomSegment>& segments, const DicomReference& image,
+void WriteSegmentation(const std::vector<DicomSegment>& segments, const DicomHeader& image,
   const DicomIdentity& identity, const std::string& path)
 {
   Check(segments, image);

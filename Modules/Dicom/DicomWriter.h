@@ -19,7 +19,7 @@ struct DicomMammogramOptions
 {
   DicomIdentity Identity;
   /// The mammogram that the image simulates. If absent, the file refers to no mammogram.
-  std::optional<DicomReference> Imitated;
+  std::optional<DicomHeader> Imitated;
   std::string SeriesDescription = "Synthetic mammogram";
   /// A sentence or two on how the image was computed, at most 1024 bytes.
   std::string Derivation;
@@ -76,7 +76,7 @@ struct DicomSegment
  * file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteSegmentation(const std::vector<DicomSegment>& segments,
-  const DicomReference& image, const DicomIdentity& identity, const std::string& path);
+  const DicomHeader& image, const DicomIdentity& identity, const std::string& path);
 
 /// Generates a UID for an object, a series or a study.
 MAMMORAYDICOM_EXPORT std::string NewDicomUid();
@@ -144,7 +144,7 @@ struct DicomReportContext
  * without findings and if the file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteMeasurementReport(const std::vector<DicomFinding>& findings,
-  const DicomReportContext& context, const DicomReference& mammogram, const std::string& path);
+  const DicomReportContext& context, const DicomHeader& mammogram, const std::string& path);
 
 /**
  * Writes a Deformable Spatial Registration (PS3.3 A.39.2). `field` maps points of the frame of

@@ -59,7 +59,7 @@ DcmItem Container(const char* relation, const DcmItem& name, const std::vector<D
   return item;
 }
 
-DcmItem Image(const char* relation, const DicomReference& image)
+DcmItem Image(const char* relation, const DicomHeader& image)
 {
   return Item({ { DCM_RelationshipType, relation }, { DCM_ValueType, "IMAGE" },
     { DCM_ReferencedSOPSequence, ImageReference(image) } });
@@ -67,7 +67,7 @@ DcmItem Image(const char* relation, const DicomReference& image)
 
 /// On the mammogram.
 DcmItem Region(const char* relation, const DcmItem& name, const char* type,
-  const std::vector<DicomFinding::Pixel>& pixels, const DicomReference& image)
+  const std::vector<DicomFinding::Pixel>& pixels, const DicomHeader& image)
 {
   std::vector<double> points;
   for (const DicomFinding::Pixel& pixel : pixels)
@@ -81,7 +81,7 @@ DcmItem Region(const char* relation, const DcmItem& name, const char* type,
 
 /// One standard deviation along an axis of the ellipse on the receptor.
 DcmItem Deviation(const DcmItem& axis, double sigmaMm, const DicomFinding::Ellipse& ellipse,
-  const DicomReference& image)
+  const DicomHeader& image)
 {
   return Content("CONTAINS", "NUM", axis,
     { { DCM_MeasuredValueSequence,
@@ -95,7 +95,7 @@ DcmItem Deviation(const DcmItem& axis, double sigmaMm, const DicomFinding::Ellip
 }
 
 DcmItem Group(const DicomFinding& finding, const DicomReportContext& context,
-  const DicomReference& image)
+  const DicomHeader& image)
 {
   const DcmItem side =
     context.Laterality == 'L' ? DicomCode("7771000", "Left") : DicomCode("24028007", "Right");
@@ -134,7 +134,7 @@ DcmItem Group(const DicomFinding& finding, const DicomReportContext& context,
 }
 
 void WriteMeasurementReport(const std::vector<DicomFinding>& findings,
-  const DicomReportContext& context, const DicomReference& mammogram, const std::string& path)
+  const DicomReportContext& context, const DicomHeader& mammogram, const std::string& path)
 {
   if (findings.empty())
   {

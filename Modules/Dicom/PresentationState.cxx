@@ -17,8 +17,7 @@ DcmItem Graphic(const std::string& type, const std::vector<double>& points)
     { DCM_NumberOfGraphicPoints, points.size() / 2 }, { DCM_GraphicData, points } });
 }
 
-DcmItem Annotation(const DicomFinding& finding, const std::string& text,
-  const DicomReference& image)
+DcmItem Annotation(const DicomFinding& finding, const std::string& text, const DicomHeader& image)
 {
   std::vector<DcmItem> graphics;
   std::vector<double> points;
@@ -119,7 +118,7 @@ void WritePresentationState(const std::vector<DicomFinding>& findings,
     throw InputError("presentation state: expected findings and a text for each, found " +
       std::to_string(findings.size()) + " and " + std::to_string(texts.size()));
   }
-  const DicomReference image = ReadDicomReference(mammogram);
+  const DicomHeader image = ReadMammogramHeader(mammogram);
   const DicomFile file(mammogram, "a DICOM mammogram", DicomExtent::Header);
   std::vector<DcmItem> annotations;
   for (std::size_t index = 0; index < findings.size(); ++index)

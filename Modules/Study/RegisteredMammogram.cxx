@@ -108,10 +108,9 @@ Mammogram ReadRegisteredMammogram(const ResultFile& result, const std::string& m
   return mammogram;
 }
 
-DicomReference ReadRegisteredReference(const std::string& mammogramPath,
-  const XRayDetector& detector)
+DicomHeader ReadRegisteredReference(const std::string& mammogramPath, const XRayDetector& detector)
 {
-  DicomReference image = ReadDicomReference(mammogramPath);
+  DicomHeader image = ReadMammogramHeader(mammogramPath);
   if (image.Columns != detector.Columns || image.Rows != detector.Rows)
   {
     throw InputError(mammogramPath + ": expected the registered mammogram of " +

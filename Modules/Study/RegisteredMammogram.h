@@ -36,8 +36,8 @@ MAMMORAYSTUDY_EXPORT Mammogram ReadRegisteredMammogram(const ResultFile& result,
   const std::string& mammogramPath);
 
 /// What DICOM objects of a result need to refer to its mammogram. Throws InputError, which names
-/// the file, where it has not the pixels of the registered detector, and as ReadDicomReference.
-MAMMORAYSTUDY_EXPORT DicomReference ReadRegisteredReference(const std::string& mammogramPath,
+/// the file, where it has not the pixels of the registered detector, and as ReadMammogramHeader.
+MAMMORAYSTUDY_EXPORT DicomHeader ReadRegisteredReference(const std::string& mammogramPath,
   const XRayDetector& detector);
 }
 

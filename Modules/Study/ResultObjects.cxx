@@ -217,7 +217,7 @@ struct DicomMri
   IntensityVolume Image;
 };
 
-DicomMri ReadMri(const std::string& folder, const DicomReference& mammogram)
+DicomMri ReadMri(const std::string& folder, const DicomHeader& mammogram)
 {
   DicomMri mri;
   mri.Image = ReadIntensityVolume(folder);
@@ -295,7 +295,7 @@ void WriteResultObjects(const ResultFile& result, const RegisteredBreast& breast
   const ResultObjects& objects, const ProjectorOptions& projector, const std::string& folder,
   const ProgressCallback& progress)
 {
-  const DicomReference mammogram = ReadRegisteredReference(objects.Mammogram, breast.Detector());
+  const DicomHeader mammogram = ReadRegisteredReference(objects.Mammogram, breast.Detector());
   std::optional<DicomMri> mri;
   if (!objects.Mri.empty())
   {

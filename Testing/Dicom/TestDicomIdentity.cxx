@@ -9,15 +9,15 @@ using namespace mammoray;
 
 TEST(DicomIdentity, IsReadFromAMammogram)
 {
-  const DicomReference image =
-    ReadDicomReference(test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm");
+  const DicomHeader image =
+    ReadMammogramHeader(test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm");
   EXPECT_EQ(image.Identity.PatientName, "PHANTOM^VICTRE ONE");
   EXPECT_EQ(image.SopClassUid, "1.2.840.10008.5.1.4.1.1.1.2.1");
   EXPECT_EQ(image.PatientOrientation, "A\\R");
   EXPECT_EQ(image.Columns, 720);
   EXPECT_EQ(image.Rows, 1080);
   EXPECT_FALSE(image.SopInstanceUid.empty());
-  EXPECT_THROW(ReadDicomReference(test::DataFolder() + "/README.md"), InputError);
+  EXPECT_THROW(ReadMammogramHeader(test::DataFolder() + "/README.md"), InputError);
 }
 
 TEST(DicomIdentity, TextsMustFitDicom)

@@ -144,7 +144,7 @@ TEST(DicomMammogramWriter, CopiesNothingOfThePatientUnlessTold)
   EXPECT_NE(DicomTextOf(path, 0x0020, 0x000d), study);
   EXPECT_NE(DicomTextOf(path, 0x0008, 0x0018), instance);
 
-  const DicomReference real = ReadDicomReference(Victre);
+  const DicomHeader real = ReadMammogramHeader(Victre);
   WriteMammogram(mammogram, { real.Identity, real, "Synthetic" }, path);
   EXPECT_EQ(DicomTextOf(path, 0x0010, 0x0010), "PHANTOM^VICTRE ONE");
   EXPECT_EQ(DicomTextOf(path, 0x0020, 0x000d), DicomTextOf(Victre, 0x0020, 0x000d));

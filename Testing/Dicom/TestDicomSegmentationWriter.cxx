@@ -30,7 +30,7 @@ const std::string VictreReference =
 TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
 {
   const TemporaryFolder folder;
-  const DicomReference image = ReadDicomReference(VictreReference);
+  const DicomHeader image = ReadMammogramHeader(VictreReference);
   ASSERT_EQ(image.Columns, 720);
   ASSERT_EQ(image.Rows, 1080);
   std::vector<DicomSegment> segments(2);
@@ -66,7 +66,7 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
     ASSERT_EQ(set, segments[pixel / (720 * 1080)].Mask[within] != 0) << pixel;
   }
 
-  EXPECT_THROW(ReadDicomReference(path), InputError); // no mammogram
+  EXPECT_THROW(ReadMammogramHeader(path), InputError); // no mammogram
   EXPECT_THAT(RefusalOf([&] { ReadLabelVolume(path); }), HasSubstr("as on a projection"));
 
   // In another study the reference names the image's study.

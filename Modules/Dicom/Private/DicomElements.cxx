@@ -191,7 +191,7 @@ void AddCommon(DcmItem& data, const std::string& sopClassUid, const std::string&
   }
 }
 
-DcmItem ImageReference(const DicomReference& image)
+DcmItem ImageReference(const DicomHeader& image)
 {
   return Item({ { DCM_ReferencedSOPClassUID, image.SopClassUid },
     { DCM_ReferencedSOPInstanceUID, image.SopInstanceUid } });
@@ -203,7 +203,7 @@ void AppendPixel(std::vector<double>& points, const std::array<double, 2>& pixel
   points.push_back(pixel[1] + 0.5);
 }
 
-DcmItem SeriesReference(const DicomReference& image, const DcmTagKey& images)
+DcmItem SeriesReference(const DicomHeader& image, const DcmTagKey& images)
 {
   return Item(
     { { images, ImageReference(image) }, { DCM_SeriesInstanceUID, image.SeriesInstanceUid } });

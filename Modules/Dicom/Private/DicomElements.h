@@ -112,8 +112,8 @@ void AddCommon(DcmItem& data, const std::string& sopClassUid, const std::string&
   const std::string& seriesDescription, const DicomIdentity& identity);
 
 /// Items that refer to an image, and to an image as a member of its series.
-DcmItem ImageReference(const DicomReference& image);
-DcmItem SeriesReference(const DicomReference& image, const DcmTagKey& images);
+DcmItem ImageReference(const DicomHeader& image);
+DcmItem SeriesReference(const DicomHeader& image, const DcmTagKey& images);
 
 /// Generates a UID.
 std::string NewUid();
