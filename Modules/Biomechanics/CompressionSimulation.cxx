@@ -80,6 +80,16 @@ bool CanBePredicted(const CompressionOptions& options)
   return options.Friction == 0;
 }
 
+void CheckState(const CompressionState& state, std::size_t coordinates)
+{
+  if (state.Positions.size() != coordinates)
+  {
+    throw InputError("compression: expected a state of this simulation, of " +
+      std::to_string(coordinates) + " coordinates, found " +
+      std::to_string(state.Positions.size()));
+  }
+}
+
 void CheckPlate(const Plate& plate, const char* name)
 {
   const bool good = std::abs(Norm(plate.Normal) - 1) < 1e-6 &&
@@ -93,6 +103,12 @@ void CheckPlate(const Plate& plate, const char* name)
       "from 0 to " +
       std::to_string(static_cast<int>(MostEdgeRadiusMm)) + " mm");
   }
+}
+
+void CheckPlates(const PlatePair& plates)
+{
+  CheckPlate(plates.Support, "support");
+  CheckPlate(plates.Paddle, "paddle");
 }
 }
 
@@ -213,12 +229,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 CompressionState CompressionSimulation::Adopt(const CompressionSimulation& other,
   const CompressionState& state, const ProgressCallback& progress)
 {
-  const std::size_t expected = other.RestPositions().size();
-  if (state.Positions.size() != expected)
-  {
-    throw InputError("compression: expected a state of the other simulation, of " +
-      std::to_string(expected) + " coordinates, found " + std::to_string(state.Positions.size()));
-  }
+  CheckState(state, other.RestPositions().size());
   std::vector<double> positions;
   if (CanBePredicted(this->Internal->Options))
   {
@@ -299,13 +310,10 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   std::vector<double> predicted)
 {
   const auto begin = std::chrono::steady_clock::now();
-  CheckPlate(plates.Support, "support");
-  CheckPlate(plates.Paddle, "paddle");
-  if (start && start->Positions.size() != this->RestPositions().size())
+  CheckPlates(plates);
+  if (start)
   {
-    throw InputError("compression: the start is not a state of this simulation: expected " +
-      std::to_string(this->RestPositions().size()) + " coordinates, found " +
-      std::to_string(start->Positions.size()));
+    CheckState(*start, this->RestPositions().size());
   }
   Internals& internal = *this->Internal;
   const CompressionOptions& options = internal.Options;
@@ -353,10 +361,7 @@ VectorFields CompressionSimulation::Sensitivities(const CompressionState& state,
   const std::vector<MaterialDerivative>& materialDerivatives,
   const std::vector<LoadingDerivative>& loadingDerivatives)
 {
-  if (state.Positions.size() != this->RestPositions().size())
-  {
-    throw InputError("sensitivities: expected a state of this simulation");
-  }
+  CheckState(state, this->RestPositions().size());
   const Internals& internal = *this->Internal;
   EquilibriumDerivatives all{ velocities, materialDerivatives, {}, {} };
   for (MaterialDerivative& table : all.Materials)
@@ -391,10 +396,7 @@ double CompressionSimulation::PaddleForceDerivative(const CompressionState& stat
 
 std::vector<double> CompressionSimulation::ContactPressuresKPa(const CompressionState& state)
 {
-  if (state.Positions.size() != this->RestPositions().size())
-  {
-    throw InputError("contact pressures: expected a state of this simulation");
-  }
+  CheckState(state, this->RestPositions().size());
   this->Internal->Recall(state);
   EquilibriumEnergy& energy = this->Internal->Solver.Energy();
   energy.SetPlates(&state.Plates);
@@ -405,8 +407,7 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
   const PlatePairVelocity& closing, double forceN, const ProgressCallback& progress)
 {
   const auto begin = std::chrono::steady_clock::now();
-  CheckPlate(plates.Support, "support");
-  CheckPlate(plates.Paddle, "paddle");
+  CheckPlates(plates);
   const bool hasFriction = this->Internal->Options.Friction > 0;
   const double speed = GapMm(plates) - GapMm(MovedPlates(plates, closing, 1));
   if (!(forceN > 0) || !std::isfinite(forceN) || !(speed > 0))
@@ -499,10 +500,7 @@ const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const
 std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const
 {
   const ElasticBody& body = this->Internal->Body;
-  if (state.Positions.size() != body.RestPositions().size())
-  {
-    throw InputError("cell measures: expected a state of this simulation");
-  }
+  CheckState(state, body.RestPositions().size());
   const ElasticEnergy energy(body);
   std::vector<CellMeasures> measures;
   for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/SurfaceMesher.h"
 
-#include "Private/CellImprovement.h"
+#include "Private/EditableMesh.h"
 #include "Private/MeshingSteps.h"
-#include "Private/PinchRepair.h"
 #include "Private/TetGen.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/TriangleTree.h"

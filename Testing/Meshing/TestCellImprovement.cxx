@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/Private/CellImprovement.h"
+#include "mammoray/Meshing/Private/EditableMesh.h"
 
 #include <gmock/gmock.h>
 

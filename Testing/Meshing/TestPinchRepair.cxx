@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
 #include "mammoray/Meshing/MeshCheck.h"
-#include "mammoray/Meshing/Private/PinchRepair.h"
+#include "mammoray/Meshing/Private/EditableMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -15,14 +15,15 @@ namespace
 {
 using namespace mammoray;
 
-/// 4^3 bricks of 1 mm whose material is a function of their place; 0 is air, which is kept.
-EditableMesh BricksInAir(const std::function<int(int, int, int)>& material)
+/// count^3 bricks of 1 mm whose material is a function of their place; 0 is air, which is kept.
+EditableMesh BricksInAir(const std::function<int(int, int, int)>& material, int count = 4)
 {
-  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 4, 4, 4 }, { 4, 4, 4 });
+  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 1.0 * count, 1.0 * count, 1.0 * count },
+    { count, count, count });
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
   {
     const auto brick = static_cast<int>(cell / 6);
-    mesh.Materials[cell] = material(brick % 4, brick / 4 % 4, brick / 16);
+    mesh.Materials[cell] = material(brick % count, brick / count % count, brick / count / count);
   }
   return EditableMesh(mesh);
 }
@@ -127,33 +128,10 @@ TEST(RepairPinches, MendsNoiseOfManyMaterials)
   EXPECT_NO_THROW(mesh.Finish().Validate("mended"));
 }
 
-/// Bricks of 1 mm whose material is a function of their indices; bricks of material 0 are left out.
+/// The same without air.
 TetrahedralMesh Bricks(int count, const std::function<int(int, int, int)>& material)
 {
-  const TetrahedralMesh box = test::MakeBoxMesh({ 0, 0, 0 },
-    { 1.0 * count, 1.0 * count, 1.0 * count }, { count, count, count });
-  TetrahedralMesh mesh;
-  std::vector<std::int32_t> newId(box.NumberOfPoints(), -1);
-  for (std::size_t cell = 0; cell < box.NumberOfCells(); ++cell)
-  {
-    const auto brick = static_cast<int>(cell / 6);
-    const int own = material(brick % count, brick / count % count, brick / count / count);
-    for (std::size_t corner = 0; corner < 4 && own != 0; ++corner)
-    {
-      const auto old = static_cast<std::size_t>(box.Cells[4 * cell + corner]);
-      if (newId[old] < 0)
-      {
-        newId[old] = static_cast<std::int32_t>(mesh.NumberOfPoints());
-        mesh.Points.insert(mesh.Points.end(), &box.Points[3 * old], &box.Points[3 * old] + 3);
-      }
-      mesh.Cells.push_back(newId[old]);
-    }
-    if (own != 0)
-    {
-      mesh.Materials.push_back(own);
-    }
-  }
-  return mesh;
+  return BricksInAir(material, count).Finish();
 }
 
 std::map<int, double> Volumes(const TetrahedralMesh& mesh)

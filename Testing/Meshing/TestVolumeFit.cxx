@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
-#include "mammoray/Meshing/Private/VolumeFit.h"
+#include "mammoray/Meshing/Private/EditableMesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/CellImprovement.h"
-
-#include "Private/PinchRepair.h"
+#include "Private/EditableMesh.h"
 
 #include <algorithm>
 #include <map>

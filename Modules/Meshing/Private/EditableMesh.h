@@ -3,9 +3,13 @@
 #define mammoray_EditableMesh_h
 
 #include "mammoray/Foundation/Meshes.h"
+#include "mammoray/Foundation/Progress.h"
 #include "mammorayMeshingModule.h"
 
 #include <array>
+#include <cstdint>
+#include <map>
+#include <set>
 #include <vector>
 
 namespace mammoray
@@ -110,6 +114,60 @@ inline bool Contains(const std::array<std::int32_t, 4>& ids, std::int32_t point)
 {
   return ids[0] == point || ids[1] == point || ids[2] == point || ids[3] == point;
 }
+
+/// Pairs of materials that meet around a point, the lower one first.
+using Contacts = std::set<std::array<std::int32_t, 2>>;
+Contacts FindContacts(const EditableMesh& mesh, std::int32_t point);
+
+/**
+ * Measures how far the boundaries of the materials around a point (including air) are from
+ * manifolds. It adds, for every material, the closed curves beyond the first that its boundary cuts
+ * from the point's link and, for every edge, the pairs of its triangles beyond the first pair. It
+ * is 0 if every boundary is a 2-manifold at the point.
+ */
+MAMMORAYMESHING_EXPORT int PinchExcess(const EditableMesh& mesh, std::int32_t point);
+
+/**
+ * Makes the boundary of every material, and of all of them together, a 2-manifold. First, cells
+ * take the material of a neighbour, smallest cells first, if that removes pinches, opens no layer,
+ * and costs no component more than 2 % of its volume. What remains is cut out: the edges that leave
+ * a pinched point or edge are split, and the small cells around it all get one material, the one
+ * that fills most of them, or air if the whole body is pinched.
+ *
+ * The second step always ends without pinches. An edge is pinched if a material fills more than one
+ * sector of the cells around it. Let all edges that leave a point p (or an edge with both its ends)
+ * be free of pinches. Split those edges and give the cells around p to one material. Each new point
+ * lies on such an edge; it sees this material on p's side and one sector of each other material
+ * beyond, so every material is a disc of its link. p itself sees one material, and nothing else has
+ * changed. Points with several pinched edges are processed first; after that, each remaining
+ * pinched edge is isolated. Returns the number of pinched points.
+ */
+MAMMORAYMESHING_EXPORT std::size_t RepairPinches(EditableMesh& mesh,
+  const ProgressCallback& progress);
+
+/**
+ * Improves cells with a dihedral angle within `goalDeg` of 0 or 180 degrees by local changes, worst
+ * cells first, as long as the worst angle of the affected cells improves: edge and face swaps (2-3,
+ * and all fillings of rings of up to eight cells), moved points, and edge collapses (Freitag and
+ * Ollivier-Gooch, Int J Numer Meth Eng 40, 1997; Klincsek's triangulation for the best swap).
+ * Interfaces may move by up to `shiftMm` and keep their topology, so no pinches arise. The surface
+ * of the mesh is kept. The result is deterministic.
+ *
+ * CGAL offers such steps only in its tetrahedral remeshing, which changes the sizes of all cells.
+ */
+MAMMORAYMESHING_EXPORT void ImproveCells(EditableMesh& mesh, double goalDeg, double shiftMm,
+  const ProgressCallback& progress);
+
+/**
+ * Moves the interfaces so that every material gets its target volume (mm^3, by material; air takes
+ * the rest). The interface of materials a and b moves along its normal by o_a - o_b, with one
+ * offset o per material, found by Newton steps on the volumes (their gradient with respect to a
+ * point is a third of the area normals around it). No point moves by more than `shiftMm` in total,
+ * or so far that a cell around it gets a dihedral angle below `leastDeg` that it did not have.
+ */
+MAMMORAYMESHING_EXPORT void FitVolumes(EditableMesh& mesh,
+  const std::map<std::int32_t, double>& volumesMm3, double shiftMm, double leastDeg,
+  const ProgressCallback& progress);
 }
 
 #endif

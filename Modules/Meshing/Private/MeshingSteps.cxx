@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/MeshingSteps.h"
 
-#include "Private/CellImprovement.h"
-#include "Private/PinchRepair.h"
-#include "Private/VolumeFit.h"
+#include "Private/EditableMesh.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelEditing.h"
 

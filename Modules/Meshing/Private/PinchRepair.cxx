@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/PinchRepair.h"
+#include "Private/EditableMesh.h"
 
 #include "mammoray/Foundation/Error.h"
 

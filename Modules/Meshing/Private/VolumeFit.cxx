@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/VolumeFit.h"
+#include "Private/EditableMesh.h"
 
 #include <Eigen/Dense>
 
