@@ -69,6 +69,14 @@ void ReadImage(DcmItem& data, DicomHeader& header)
   header.SamplesPerPixel = DicomShort(data, DCM_SamplesPerPixel).value_or(1);
 }
 
+/// A double (FD), which most numbers of enhanced objects are.
+std::optional<double> Double(DcmItem& data, const DcmTagKey& tag)
+{
+  Float64 value = 0;
+  return data.findAndGetFloat64(tag, value).good() && std::isfinite(value) ? std::optional(value)
+                                                                           : std::nullopt;
+}
+
 void ReadResonance(DcmItem& data, DicomHeader& header)
 {
   header.ScanningSequence = Values(data, DCM_ScanningSequence);
@@ -80,27 +88,15 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   header.EchoTimeMs = DicomNumber(data, DCM_EchoTime);
   header.InversionTimeMs = DicomNumber(data, DCM_InversionTime);
   header.FlipAngleDeg = DicomNumber(data, DCM_FlipAngle);
-  Float64 diffusion = 0;
-  if (data.findAndGetFloat64(DCM_DiffusionBValue, diffusion).good() && std::isfinite(diffusion))
-  {
-    header.DiffusionBValue = diffusion;
-  }
+  header.DiffusionBValue = Double(data, DCM_DiffusionBValue);
   header.ContrastAgent = Shown(DicomTexts(data, DCM_ContrastBolusAgent));
   header.TemporalPosition = DicomNumber(data, DCM_TemporalPositionIdentifier);
   header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
 }
 
-/// A double (FD), which most numbers of enhanced objects are.
-std::optional<double> Double(DcmItem& data, const DcmTagKey& tag)
+bool SaysYes(DcmItem& data, const DcmTagKey& tag)
 {
-  Float64 value = 0;
-  return data.findAndGetFloat64(tag, value).good() && std::isfinite(value) ? std::optional(value)
-                                                                           : std::nullopt;
-}
-
-bool Says(DcmItem& data, const DcmTagKey& tag, const char* what)
-{
-  return DicomText(data, tag) == what;
+  return DicomText(data, tag) == "YES";
 }
 
 /// YYYYMMDD and HHMMSS.FFFFFF of a date and time (DT), as far as it goes.
@@ -118,14 +114,11 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
 {
   header.SpectralSuppression = Shown(DicomText(data, DCM_SpectrallySelectedSuppression));
   header.AcquisitionContrast = Shown(DicomText(data, DCM_AcquisitionContrast));
-  if (const auto echo = Double(data, DCM_EffectiveEchoTime); echo && !header.EchoTimeMs)
-  {
-    header.EchoTimeMs = echo;
-  }
-  if (const auto inversion = Double(data, DCM_InversionTimes); inversion && !header.InversionTimeMs)
-  {
-    header.InversionTimeMs = inversion;
-  }
+  const auto set = [](std::optional<double>& number, const auto& value)
+  { number = value ? std::optional<double>(*value) : number; };
+  set(header.EchoTimeMs, header.EchoTimeMs ? std::nullopt : Double(data, DCM_EffectiveEchoTime));
+  set(header.InversionTimeMs,
+    header.InversionTimeMs ? std::nullopt : Double(data, DCM_InversionTimes));
   if (header.ScanningSequence.empty())
   {
     const std::string echo = DicomText(data, DCM_EchoPulseSequence);
@@ -138,8 +131,8 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
     };
     add(echo == "SPIN" || echo == "BOTH", "SE");
     add(echo == "GRADIENT" || echo == "BOTH", "GR");
-    add(Says(data, DCM_InversionRecovery, "YES"), "IR");
-    add(Says(data, DCM_EchoPlanarPulseSequence, "YES"), "EP");
+    add(SaysYes(data, DCM_InversionRecovery), "IR");
+    add(SaysYes(data, DCM_EchoPlanarPulseSequence), "EP");
   }
   if (header.SequenceName.empty())
   {
@@ -159,19 +152,10 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
     header.AcquisitionTime);
   SplitMoment(DicomText(data, DCM_FrameAcquisitionDateTime), header.AcquisitionDate,
     header.AcquisitionTime);
-  if (const auto temporal = DicomUnsigned(data, DCM_TemporalPositionIndex))
-  {
-    header.TemporalPosition = *temporal;
-  }
-  if (const auto acquisition = DicomShort(data, DCM_FrameAcquisitionNumber))
-  {
-    header.AcquisitionNumber = *acquisition;
-  }
-  if (const auto delay = Double(data, DCM_NominalCardiacTriggerDelayTime))
-  {
-    header.TriggerTimeMs = delay;
-  }
-  if (Says(data, DCM_ContrastBolusAgentAdministered, "YES") && header.ContrastAgent.empty())
+  set(header.TemporalPosition, DicomUnsigned(data, DCM_TemporalPositionIndex));
+  set(header.AcquisitionNumber, DicomShort(data, DCM_FrameAcquisitionNumber));
+  set(header.TriggerTimeMs, Double(data, DCM_NominalCardiacTriggerDelayTime));
+  if (SaysYes(data, DCM_ContrastBolusAgentAdministered) && header.ContrastAgent.empty())
   {
     header.ContrastAgent = "administered";
   }
@@ -190,8 +174,8 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   header.Magnification = DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
   header.PaddleDescription = Shown(DicomTexts(data, DCM_PaddleDescription));
-  header.PartialView = DicomText(data, DCM_PartialView) == "YES";
-  header.ImplantPresent = DicomText(data, DCM_BreastImplantPresent) == "YES";
+  header.PartialView = SaysYes(data, DCM_PartialView);
+  header.ImplantPresent = SaysYes(data, DCM_BreastImplantPresent);
 }
 
 /// Whether the file is too short for the pixels that its header promises; of compressed ones that

@@ -202,7 +202,7 @@ void CheckIsOne(DcmItem& data, const std::string& path)
 /// Of the attributes of a frame's functional groups, all on one level.
 SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
 {
-  const auto number = [&](const DcmTagKey& tag, unsigned long index, const char* name)
+  const auto number = [&](const DcmTagKey& tag, unsigned long index = 0)
   {
     const std::optional<double> value = DicomNumber(frame, tag, index);
     // Angles of at most a turn, lengths of at most some metres.
@@ -211,24 +211,18 @@ SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
       Refuse(path,
         std::string("expected where source and detector stood for each projection, found no "
                     "usable ") +
-          name);
+          DcmTag(tag).getTagName() + " " + tag.toString().c_str());
     }
     return *value;
   };
-  const auto vector = [&](const DcmTagKey& tag, unsigned long first, const char* name)
-  {
-    return Vector3{ number(tag, first, name), number(tag, first + 1, name),
-      number(tag, first + 2, name) };
+  const auto vector = [&](const DcmTagKey& tag, unsigned long first) {
+    return Vector3{ number(tag, first), number(tag, first + 1), number(tag, first + 2) };
   };
   SourcePlace place;
-  place.SourceToIsocenterMm =
-    number(DCM_DistanceSourceToIsocenter, 0, "Distance Source to Isocenter (0018,9402)");
-  place.SourcePrimaryDeg =
-    number(DCM_XRaySourceIsocenterPrimaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9543)");
-  place.SourceSecondaryDeg =
-    number(DCM_XRaySourceIsocenterSecondaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9544)");
-  place.DetectorPrimaryDeg =
-    number(DCM_DetectorIsocenterPrimaryAngle, 0, "Detector Isocenter Angle (0018,9550)");
+  place.SourceToIsocenterMm = number(DCM_DistanceSourceToIsocenter);
+  place.SourcePrimaryDeg = number(DCM_XRaySourceIsocenterPrimaryAngle);
+  place.SourceSecondaryDeg = number(DCM_XRaySourceIsocenterSecondaryAngle);
+  place.DetectorPrimaryDeg = number(DCM_DetectorIsocenterPrimaryAngle);
   for (const DcmTagKey& tag :
     { DCM_DetectorIsocenterSecondaryAngle, DCM_BreastSupportIsocenterSecondaryAngle })
   {
@@ -237,22 +231,18 @@ SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
       Refuse(path, "expected a detector that turns about one axis, found one with a second angle");
     }
   }
-  place.Detector = { number(DCM_DetectorXPositionToIsocenter, 0, "Detector Position (0018,9552)"),
-    number(DCM_DetectorYPositionToIsocenter, 0, "Detector Position (0018,9553)"),
-    number(DCM_DetectorZPositionToIsocenter, 0, "Detector Position (0018,9554)") };
-  constexpr const char* first = "Detector Active Area TLHC Position (0018,9557)";
-  constexpr const char* axes = "Detector Active Area Orientation (0018,9558)";
-  place.FirstPixel = vector(DCM_DetectorActiveAreaTLHCPosition, 0, first);
-  place.Row = vector(DCM_DetectorActiveAreaOrientation, 0, axes);
-  place.Column = vector(DCM_DetectorActiveAreaOrientation, 3, axes);
+  place.Detector = { number(DCM_DetectorXPositionToIsocenter),
+    number(DCM_DetectorYPositionToIsocenter), number(DCM_DetectorZPositionToIsocenter) };
+  place.FirstPixel = vector(DCM_DetectorActiveAreaTLHCPosition, 0);
+  place.Row = vector(DCM_DetectorActiveAreaOrientation, 0);
+  place.Column = vector(DCM_DetectorActiveAreaOrientation, 3);
   if (std::abs(Norm(place.Row) - 1) > 1e-3 || std::abs(Norm(place.Column) - 1) > 1e-3 ||
     std::abs(Dot(place.Row, place.Column)) > 1e-3 || std::abs(place.Row[2]) > 1e-3 ||
     std::abs(place.Column[2]) > 1e-3)
   {
     Refuse(path,
-      std::string("expected directions of rows and columns at right angles on the detector, found "
-                  "others in ") +
-        axes);
+      "expected directions of rows and columns at right angles on the detector, found others in "
+      "DetectorActiveAreaOrientation (0018,9558)");
   }
   return place;
 }

@@ -221,13 +221,13 @@ TEST(BreastProjections, DamagedOnesAreRefusedInOneLine)
   };
   refused([&](gdcm::DataSet& data)
     { GroupOfFrame(data, isocenter).Remove(gdcm::Tag(0x0018, 0x9543)); },
-    "X-Ray Source Isocenter Angle (0018,9543)");
+    "XRaySourceIsocenterPrimaryAngle (0018,9543)");
   refused([&](gdcm::DataSet& data)
     { GroupOfFrame(data, isocenter).Remove(gdcm::Tag(0x0018, 0x9557)); },
-    "TLHC Position (0018,9557)");
+    "DetectorActiveAreaTLHCPosition (0018,9557)");
   refused([&](gdcm::DataSet& data)
     { GroupOfFrame(data, gdcm::Tag(0x0018, 0x9476)).Remove(gdcm::Tag(0x0018, 0x9402)); },
-    "Distance Source to Isocenter (0018,9402)");
+    "DistanceSourceToIsocenter (0018,9402)");
   refused([](gdcm::DataSet& data) { data.Remove(gdcm::Tag(0x5200, 0x9230)); },
     "functional groups for each of 5 frames, found 0");
   refused([](gdcm::DataSet& data) { data.Remove(gdcm::Tag(0x5200, 0x9229)); }, "size of a pixel");
