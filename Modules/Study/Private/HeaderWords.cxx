@@ -232,7 +232,8 @@ std::string FindMeaning(const std::string& words, HeaderMeaning meaning)
     for (const HeaderVocabularyRow& row : HeaderVocabulary())
     {
       std::string& pattern = patterns[row.Meaning];
-      pattern += (pattern.empty() ? "" : "|") + PatternOf(row);
+      pattern += pattern.empty() ? "" : "|";
+      pattern += PatternOf(row);
     }
     std::map<HeaderMeaning, std::regex> made;
     for (const auto& [key, pattern] : patterns)
