@@ -56,6 +56,15 @@ struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
 
   std::size_t NumberOfPoints() const { return this->Points.size() / 3; }
   std::size_t NumberOfTriangles() const { return this->Triangles.size() / 3; }
+  Vector3 Point(std::size_t index) const
+  {
+    return { this->Points[3 * index], this->Points[3 * index + 1], this->Points[3 * index + 2] };
+  }
+  /// Position of corner 0, 1 or 2 of a triangle.
+  Vector3 Corner(std::size_t triangle, std::size_t corner) const
+  {
+    return this->Point(this->Triangles[3 * triangle + corner]);
+  }
   /// 1 + the largest material index in use.
   int NumberOfMaterials() const;
   /// Throws InputError if array sizes or indices are inconsistent or a coordinate is not finite.

@@ -17,26 +17,11 @@ constexpr std::size_t LinesPerPart = 16;
 /// Largest number of boxes; more are merged into one.
 constexpr std::size_t MostRegions = 64;
 
-using Box = std::array<Vector3, 2>;
-
 Vector3 CentreOf(const SurfaceMesh& surface, std::size_t triangle)
 {
-  Vector3 sum{ 0, 0, 0 };
-  for (std::size_t corner = 0; corner < 3; ++corner)
-  {
-    const double* at = &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + corner] }];
-    sum = sum + Vector3{ at[0], at[1], at[2] };
-  }
+  const Vector3 sum =
+    surface.Corner(triangle, 0) + surface.Corner(triangle, 1) + surface.Corner(triangle, 2);
   return (1.0 / 3) * sum;
-}
-
-void Include(Box& box, const Vector3& point)
-{
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    box[0][axis] = std::min(box[0][axis], point[axis]);
-    box[1][axis] = std::max(box[1][axis], point[axis]);
-  }
 }
 
 /// Counts how often a line is inside each material; air starts at 1, the others at 0.
@@ -150,17 +135,14 @@ struct SurfaceParts
     }
   }
 
-  Box BoxOf(const SurfaceMesh& surface, std::uint32_t part) const
+  Box3 BoxOf(const SurfaceMesh& surface, std::uint32_t part) const
   {
-    const Vector3 first = CentreOf(surface, this->Triangles[part].front());
-    Box box{ first, first };
+    Box3 box;
     for (const std::uint32_t triangle : this->Triangles[part])
     {
       for (std::size_t corner = 0; corner < 3; ++corner)
       {
-        const double* at =
-          &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + corner] }];
-        Include(box, { at[0], at[1], at[2] });
+        box.Add(surface.Corner(triangle, corner));
       }
     }
     return box;
@@ -209,7 +191,7 @@ PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tr
 }
 
 /// The common boxes of parts that cross each other, and the boxes of parts with contradictions.
-std::vector<Box> FindRegions(const SurfaceMesh& surface, const SurfaceParts& parts,
+std::vector<Box3> FindRegions(const SurfaceMesh& surface, const SurfaceParts& parts,
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& crossings,
   const PartContradictions& contradictions)
 {
@@ -222,15 +204,15 @@ std::vector<Box> FindRegions(const SurfaceMesh& surface, const SurfaceParts& par
   {
     together.insert({ part, part });
   }
-  std::vector<Box> regions;
+  std::vector<Box3> regions;
   for (const auto& [one, other] : together)
   {
-    Box box = parts.BoxOf(surface, one);
-    const Box shared = parts.BoxOf(surface, other);
+    Box3 box = parts.BoxOf(surface, one);
+    const Box3 shared = parts.BoxOf(surface, other);
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      box[0][axis] = std::max(box[0][axis], shared[0][axis]);
-      box[1][axis] = std::min(box[1][axis], shared[1][axis]);
+      box.Low[axis] = std::max(box.Low[axis], shared.Low[axis]);
+      box.High[axis] = std::min(box.High[axis], shared.High[axis]);
     }
     regions.push_back(box);
   }
@@ -238,11 +220,10 @@ std::vector<Box> FindRegions(const SurfaceMesh& surface, const SurfaceParts& par
   {
     return regions;
   }
-  Box all = regions.front();
-  for (const Box& box : regions)
+  Box3 all;
+  for (const Box3& box : regions)
   {
-    Include(all, box[0]);
-    Include(all, box[1]);
+    all.Add(box);
   }
   return { all };
 }

@@ -7,7 +7,6 @@
 #include "mammoray/Foundation/TriangleTree.h"
 #include "mammorayFoundationModule.h"
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -45,9 +44,8 @@ struct MAMMORAYFOUNDATION_EXPORT SurfaceOverlap
   std::size_t NegativeParts = 0;
   /// The longest contradiction of each of the first MostPlaces parts.
   std::vector<SurfaceContradiction> Contradictions;
-  /// Boxes (low and high corner, mm). The path lengths of rays that miss them all follow from the
-  /// labels.
-  std::vector<std::array<Vector3, 2>> Regions;
+  /// Boxes, mm. The path lengths of rays that miss them all follow from the labels.
+  std::vector<Box3> Regions;
 
   bool None() const { return this->Crossings + this->DoubledParts + this->NegativeParts == 0; }
 };

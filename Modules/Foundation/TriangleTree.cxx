@@ -63,9 +63,7 @@ public:
     std::array<Place, 3> seen;
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
-      const double* at =
-        &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
-      points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
+      points[corner] = surface.Corner(triangle, corner) - this->Origin;
       seen[corner] = { Dot(points[corner], this->Perpendiculars[0]),
         Dot(points[corner], this->Perpendiculars[1]) };
     }
@@ -115,7 +113,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& surface)
   , Order(surface.NumberOfTriangles())
 {
   std::iota(this->Order.begin(), this->Order.end(), 0u);
-  std::vector<Box> boxes(this->Order.size());
+  std::vector<Box3> boxes(this->Order.size());
   ParallelFor(boxes.size(),
     [&](std::size_t triangle)
     { boxes[triangle] = this->BoxOf(static_cast<std::uint32_t>(triangle)); });
@@ -126,35 +124,23 @@ TriangleTree::TriangleTree(const SurfaceMesh& surface)
   }
 }
 
-TriangleTree::Box TriangleTree::BoxOf(std::uint32_t triangle) const
+Box3 TriangleTree::BoxOf(std::uint32_t triangle) const
 {
-  Box box;
+  Box3 box;
   for (std::size_t corner = 0; corner < 3; ++corner)
   {
-    const double* at =
-      &this->Surface->Points[3 * std::size_t{ this->Surface->Triangles[3 * triangle + corner] }];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      box.Low[axis] = corner == 0 ? at[axis] : std::min(box.Low[axis], at[axis]);
-      box.High[axis] = corner == 0 ? at[axis] : std::max(box.High[axis], at[axis]);
-    }
+    box.Add(this->Surface->Corner(triangle, corner));
   }
   return box;
 }
 
-void TriangleTree::Build(std::uint32_t begin, std::uint32_t end, std::vector<Box>& boxes)
+void TriangleTree::Build(std::uint32_t begin, std::uint32_t end, std::vector<Box3>& boxes)
 {
   const std::size_t place = this->Nodes.size();
   Node node;
-  node.Bounds = boxes[this->Order[begin]];
-  for (std::uint32_t n = begin + 1; n < end; ++n)
+  for (std::uint32_t n = begin; n < end; ++n)
   {
-    const Box& box = boxes[this->Order[n]];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      node.Bounds.Low[axis] = std::min(node.Bounds.Low[axis], box.Low[axis]);
-      node.Bounds.High[axis] = std::max(node.Bounds.High[axis], box.High[axis]);
-    }
+    node.Bounds.Add(boxes[this->Order[n]]);
   }
   node.First = begin;
   node.Count = end - begin <= TrianglesPerLeaf ? end - begin : 0;
@@ -180,7 +166,7 @@ void TriangleTree::Build(std::uint32_t begin, std::uint32_t end, std::vector<Box
   this->Build(middle, end, boxes);
 }
 
-bool TriangleTree::Touch(const Box& a, const Box& b)
+bool TriangleTree::Touch(const Box3& a, const Box3& b)
 {
   bool touch = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -226,7 +212,7 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
   std::vector<LineHit>& hits) const
 {
   hits.clear();
-  const auto meets = [&](const Box& box)
+  const auto meets = [&](const Box3& box)
   {
     // Separating axes: the projections of box and line must overlap along each of the three
     // directions perpendicular to the line and an axis, with a margin for rounding.
@@ -270,8 +256,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::ClosePairs() 
       for (std::size_t n = begin; n < end; ++n)
       {
         const std::uint32_t one = this->Order[n];
-        const Box box = this->BoxOf(one);
-        this->Descend([&](const Box& other) { return Touch(box, other); },
+        const Box3 box = this->BoxOf(one);
+        this->Descend([&](const Box3& other) { return Touch(box, other); },
           [&](std::uint32_t other)
           {
             if (one < other && Touch(box, this->BoxOf(other)))

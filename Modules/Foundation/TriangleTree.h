@@ -51,23 +51,18 @@ public:
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ClosePairs() const;
 
 private:
-  struct Box
-  {
-    Vector3 Low{};
-    Vector3 High{};
-  };
   /// A leaf if Count is not 0: triangles Order[First] to Order[First + Count - 1]. Otherwise its
   /// children are the next node and Nodes[First].
   struct Node
   {
-    Box Bounds;
+    Box3 Bounds;
     std::uint32_t First = 0;
     std::uint32_t Count = 0;
   };
 
-  static bool Touch(const Box& a, const Box& b);
-  Box BoxOf(std::uint32_t triangle) const;
-  void Build(std::uint32_t begin, std::uint32_t end, std::vector<Box>& boxes);
+  static bool Touch(const Box3& a, const Box3& b);
+  Box3 BoxOf(std::uint32_t triangle) const;
+  void Build(std::uint32_t begin, std::uint32_t end, std::vector<Box3>& boxes);
   /// Calls visit(triangle) for the triangles of every leaf whose box `meets` accepts.
   template <typename Meets, typename Visit>
   void Descend(const Meets& meets, const Visit& visit) const;

@@ -68,6 +68,27 @@ struct Extent
   double Middle() const { return 0.5 * (this->Low + this->High); }
 };
 
+/// An axis-aligned box. The default is empty: [+inf, -inf] along each axis.
+struct Box3
+{
+  Vector3 Low{ Extent().Low, Extent().Low, Extent().Low };
+  Vector3 High{ Extent().High, Extent().High, Extent().High };
+
+  void Add(const Vector3& point)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Low[axis] = std::min(this->Low[axis], point[axis]);
+      this->High[axis] = std::max(this->High[axis], point[axis]);
+    }
+  }
+  void Add(const Box3& box)
+  {
+    this->Add(box.Low);
+    this->Add(box.High);
+  }
+};
+
 /// Extents of points (x y z interleaved) along each of several directions.
 template <std::size_t Count>
 std::array<Extent, Count> ExtentsAlong(const std::array<Vector3, Count>& directions,

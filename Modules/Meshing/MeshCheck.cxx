@@ -553,10 +553,9 @@ MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progr
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
   {
     Vector3 corner[3];
-    for (int c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < 3; ++c)
     {
-      const double* at = &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + c] }];
-      corner[c] = { at[0], at[1], at[2] };
+      corner[c] = surface.Corner(triangle, c);
     }
     if (Norm(Cross(corner[1] - corner[0], corner[2] - corner[0])) == 0)
     {

@@ -24,12 +24,6 @@ constexpr double PlateOpacity = 0.25;
 /// Light that comes from everywhere; the rest comes from the eye's upper left.
 constexpr double Ambient = 0.35;
 
-Vector3 PointOf(const SurfaceMesh& surface, std::size_t triangle, int corner)
-{
-  const std::size_t id = surface.Triangles[3 * triangle + static_cast<std::size_t>(corner)];
-  return { surface.Points[3 * id], surface.Points[3 * id + 1], surface.Points[3 * id + 2] };
-}
-
 /// What the eye sees: right and up in pixels of the drawing, and how near.
 class Eye
 {
@@ -153,8 +147,8 @@ std::vector<int> EnclosedMaterials(const SurfaceMesh& surface, const MaterialTab
   std::vector<double> volumes(static_cast<std::size_t>(surface.NumberOfMaterials()));
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
   {
-    const double volume = Dot(PointOf(surface, triangle, 0),
-      Cross(PointOf(surface, triangle, 1), PointOf(surface, triangle, 2)));
+    const double volume = Dot(surface.Corner(triangle, 0),
+      Cross(surface.Corner(triangle, 1), surface.Corner(triangle, 2)));
     volumes[surface.BackMaterials[triangle]] += volume;
     volumes[surface.FrontMaterials[triangle]] -= volume;
   }
@@ -206,8 +200,8 @@ LayeredPicture DrawBreast(const BreastInSpace& breast)
     std::any_of(inner.begin(), inner.end(), [](int material) { return material > 0; });
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
   {
-    const std::array<Vector3, 3> seen{ eye.See(PointOf(surface, triangle, 0)),
-      eye.See(PointOf(surface, triangle, 1)), eye.See(PointOf(surface, triangle, 2)) };
+    const std::array<Vector3, 3> seen{ eye.See(surface.Corner(triangle, 0)),
+      eye.See(surface.Corner(triangle, 1)), eye.See(surface.Corner(triangle, 2)) };
     if (inner[triangle] > 0)
     {
       const auto tone = tones.try_emplace(inner[triangle], GroupColor(tones.size()));

@@ -169,20 +169,6 @@ void PlaceAbove(ExampleScene& scene, double x, double y, int columns, int rows, 
   scene.Detector.Origin = { x - 0.5 * (columns - 1) * column, y + 0.5 * (rows - 1) * row, 0 };
 }
 
-/// Largest coordinates of the points along each axis, mm; smallest ones with sign = -1.
-Vector3 Extreme(const std::vector<Vector3>& points, double sign)
-{
-  Vector3 extreme = points.front();
-  for (const Vector3& point : points)
-  {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      extreme[axis] = sign * std::max(sign * extreme[axis], sign * point[axis]);
-    }
-  }
-  return extreme;
-}
-
 /// The largest x of tissue that is fixed to the body, mm; 0 if there is none.
 double FrontOfFixed(const QuadMesh& mesh, const MaterialTable& table)
 {
@@ -267,8 +253,13 @@ ExampleScene MakeBreastScene(const LabelVolume& labels, const MaterialTable& tab
   scene.Name = "breast";
   scene.Materials = table;
   QuadMesh mesh = ExtractInterfaces(table.ToMaterials(labels, "breast"), 8);
-  const Vector3 low = Extreme(mesh.Points, -1);
-  const Vector3 high = Extreme(mesh.Points, 1);
+  Box3 box;
+  for (const Vector3& point : mesh.Points)
+  {
+    box.Add(point);
+  }
+  const Vector3& low = box.Low;
+  const Vector3& high = box.High;
   const double squeezed = thicknessMm / (high[2] - low[2]);
   const double widened = 1 / std::sqrt(squeezed);
   const Vector3 middle = 0.5 * (low + high);

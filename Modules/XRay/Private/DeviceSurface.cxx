@@ -2,7 +2,6 @@
 #include "Private/DeviceSurface.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 namespace mammoray
@@ -39,18 +38,12 @@ void DeviceSurface::Set(const VulkanDevice& device, const SurfaceMesh& mesh,
 
 void DeviceSurface::Move(const std::vector<double>& points, bool doubles)
 {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  this->Low = { infinity, infinity, infinity };
-  this->High = { -infinity, -infinity, -infinity };
+  this->Bounds = {};
   for (std::size_t index = 0; index < points.size(); index += 3)
   {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      this->Low[axis] = std::min(this->Low[axis], points[index + axis]);
-      this->High[axis] = std::max(this->High[axis], points[index + axis]);
-    }
+    this->Bounds.Add(Vector3{ points[index], points[index + 1], points[index + 2] });
   }
-  this->Center = 0.5 * (this->Low + this->High);
+  this->Center = 0.5 * (this->Bounds.Low + this->Bounds.High);
   if (doubles)
   {
     this->WriteLocal(points, this->Positions.Data<double>());

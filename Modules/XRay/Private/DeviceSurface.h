@@ -21,10 +21,9 @@ struct DeviceSurface
   std::uint32_t TriangleCount = 0;
   /// Air included.
   std::uint32_t MaterialCount = 0;
-  /// The local frame's origin, and the corners of the mesh's box, in the mesh's frame, mm.
+  /// The local frame's origin, and the mesh's box, in the mesh's frame, mm.
   Vector3 Center{ 0, 0, 0 };
-  Vector3 Low{ 0, 0, 0 };
-  Vector3 High{ 0, 0, 0 };
+  Box3 Bounds;
   /// 3 x PointCount doubles or floats, x y z interleaved, local frame, mm.
   Buffer Positions;
   /// 3 x TriangleCount 32-bit point indices.

@@ -107,15 +107,15 @@ PriorityProjector::Ray PriorityProjector::RayOf(const XRaySource& source,
 bool PriorityProjector::PassesRegion(const Ray& ray) const
 {
   return std::any_of(this->Overlap.Regions.begin(), this->Overlap.Regions.end(),
-    [&](const std::array<Vector3, 2>& box)
+    [&](const Box3& box)
     {
       double enter = ray.From;
       double leave = ray.To;
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
-        const double slack = 1e-9 * (1 + box[1][axis] - box[0][axis]);
-        const double low = box[0][axis] - slack - ray.Begin[axis];
-        const double high = box[1][axis] + slack - ray.Begin[axis];
+        const double slack = 1e-9 * (1 + box.High[axis] - box.Low[axis]);
+        const double low = box.Low[axis] - slack - ray.Begin[axis];
+        const double high = box.High[axis] + slack - ray.Begin[axis];
         const double way = ray.Direction[axis];
         if (way == 0)
         {
@@ -129,7 +129,7 @@ bool PriorityProjector::PassesRegion(const Ray& ray) const
     });
 }
 
-/// The material that counts; `insides[m]` says how often the ray is inside of m.
+/// The material that counts where the ray is inside material m `insides[m]` times.
 int PriorityProjector::OwnerOf(const std::vector<int>& insides) const
 {
   for (const int material : this->Order)
@@ -184,19 +184,14 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
   return true;
 }
 
-/// dt/dp = n . v / (n . d) of a hit at which the ray goes over from one material to another.
+/// Adds dt/dp = n . v / (n . d) of a hit at which the ray passes from one material to another.
 void PriorityProjector::AddRates(const Ray& ray, const LineHit& hit, int left, int entered,
   const Work& work, RaySums& sums) const
 {
-  const std::uint32_t* corners = &this->Surface.Triangles[3 * std::size_t{ hit.Triangle }];
-  const auto valueOf = [&](const std::vector<double>& values, std::size_t first, std::size_t corner)
-  {
-    const double* at = &values[first + 3 * std::size_t{ corners[corner] }];
-    return Vector3{ at[0], at[1], at[2] };
-  };
-  const std::vector<double>& points = this->Surface.Points;
-  const Vector3 origin = valueOf(points, 0, 0);
-  const Vector3 normal = Cross(valueOf(points, 0, 1) - origin, valueOf(points, 0, 2) - origin);
+  const std::size_t triangle = hit.Triangle;
+  const Vector3 origin = this->Surface.Corner(triangle, 0);
+  const Vector3 normal =
+    Cross(this->Surface.Corner(triangle, 1) - origin, this->Surface.Corner(triangle, 2) - origin);
   const double size = Norm(normal);
   if (!(size > 0))
   {
@@ -212,8 +207,9 @@ void PriorityProjector::AddRates(const Ray& ray, const LineHit& hit, int left, i
     Vector3 velocity{ 0, 0, 0 };
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
-      velocity = velocity +
-        hit.Weights[corner] * valueOf(work.Velocities->Values, field * points.size(), corner);
+      const std::size_t point = this->Surface.Triangles[3 * triangle + corner];
+      const double* at = &(*work.Velocities)[field][3 * point];
+      velocity = velocity + hit.Weights[corner] * Vector3{ at[0], at[1], at[2] };
     }
     const double rate = Dot(unit, velocity) / guarded;
     const std::size_t row = field * materials;

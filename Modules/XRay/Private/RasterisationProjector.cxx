@@ -107,7 +107,8 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
 void RasterisationProjector::SurfaceChanged(const std::vector<double>&, bool)
 {
   // Room for the rounding of positions in single precision.
-  this->Reach = 1e-6 + (1 + 1e-6) * 0.5 * Norm(this->Surface.High - this->Surface.Low);
+  this->Reach =
+    1e-6 + (1 + 1e-6) * 0.5 * Norm(this->Surface.Bounds.High - this->Surface.Bounds.Low);
 }
 
 void RasterisationProjector::UpdateBindings()

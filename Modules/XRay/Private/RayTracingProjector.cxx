@@ -200,7 +200,7 @@ void RayTracingProjector::WriteParameters(const XRaySource& source, const XRayDe
 {
   const Vector3& center = this->Surface.Center;
   // Room for the rounding of positions and of the rays' starts.
-  const double room = 1e-3 + 1e-4 * Norm(this->Surface.High - this->Surface.Low);
+  const double room = 1e-3 + 1e-4 * Norm(this->Surface.Bounds.High - this->Surface.Bounds.Low);
   PathLengthParameters<Real> parameters{};
   if (source.Type == XRaySource::Kind::Point)
   {
@@ -213,8 +213,8 @@ void RayTracingProjector::WriteParameters(const XRaySource& source, const XRayDe
   SetReal4(parameters.DetectorOrigin, detector.Origin - center);
   SetReal4(parameters.ColumnStep, detector.ColumnStep);
   SetReal4(parameters.RowStep, detector.RowStep);
-  SetReal4(parameters.BoxLow, this->Surface.Low - center - Vector3{ room, room, room });
-  SetReal4(parameters.BoxHigh, this->Surface.High - center + Vector3{ room, room, room });
+  SetReal4(parameters.BoxLow, this->Surface.Bounds.Low - center - Vector3{ room, room, room });
+  SetReal4(parameters.BoxHigh, this->Surface.Bounds.High - center + Vector3{ room, room, room });
   parameters.Columns = static_cast<std::uint32_t>(detector.Columns);
   parameters.Rows = static_cast<std::uint32_t>(detector.Rows);
   parameters.Samples = static_cast<std::uint32_t>(detector.Samples);

@@ -454,8 +454,7 @@ VoxelScene::VoxelScene(LabelVolume volume, std::vector<PhotonMaterial> materials
         std::to_string(this->Materials().size()) + ", found " + std::to_string(label));
     }
   }
-  Vector3 low{ Endless, Endless, Endless };
-  Vector3 high{ -Endless, -Endless, -Endless };
+  Box3 box;
   for (int corner = 0; corner < 8; ++corner)
   {
     const auto end = [&](int axis)
@@ -463,14 +462,9 @@ VoxelScene::VoxelScene(LabelVolume volume, std::vector<PhotonMaterial> materials
       return ((corner >> axis) & 1) != 0 ? this->Voxels.Size[static_cast<std::size_t>(axis)] - 0.5
                                          : -0.5;
     };
-    const Vector3 point = this->Voxels.PointAt(end(0), end(1), end(2));
-    for (std::size_t a = 0; a < 3; ++a)
-    {
-      low[a] = std::min(low[a], point[a]);
-      high[a] = std::max(high[a], point[a]);
-    }
+    box.Add(this->Voxels.PointAt(end(0), end(1), end(2)));
   }
-  this->SetBox(low, high);
+  this->SetBox(box.Low, box.High);
 }
 
 int VoxelScene::RegionAt(const Vector3& point) const
