@@ -123,6 +123,13 @@ struct ViewFigures
   std::vector<RegistrationIteration> Iterations;
   /// Where the unit stands.
   VolumeFromGantry Placed;
+  /**
+   * Mean distance of the breast's nodes from the equilibrium that a cold start finds at the same
+   * pose, mm, measured where the finest resolution began: 0 unless the breast has several
+   * equilibria there. The search goes on from the one whose picture matches better. NaN if that
+   * start has no equilibrium or was not made.
+   */
+  double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
   /// At the end, on the target's own grid.
   Similarity After;
   bool Converged = false;
@@ -153,13 +160,6 @@ struct ViewResult : ViewFigures
   std::vector<std::vector<double>> Sensitivities;
   /// On the target's own grid, with one ray per pixel.
   SyntheticMammogram Synthetic;
-  /**
-   * Mean distance of the breast's nodes from the equilibrium that a cold start finds at the same
-   * pose, mm, measured where the finest resolution began: 0 unless the breast has several
-   * equilibria there. The search goes on from the one whose picture matches better. NaN if that
-   * start has no equilibrium or was not made.
-   */
-  double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
   /// Similarity of each further projection of a tomosynthesis, at the end.
   std::vector<Similarity> ProjectionsAfter;
   /// Notes on the search for the user, a sentence each.

@@ -72,7 +72,6 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
 {
   const ViewResult& found = registered.Registration;
   const RegistrationTarget& target = registered.View.Target;
-  const CompressionState& state = found.State;
   const Mammogram& mammogram = registered.Mammogram;
   ResultFile file;
   static_cast<ViewFigures&>(file) = found;
@@ -87,15 +86,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
       { registered.View.Projections[other].FocalSpotMm, found.ProjectionsAfter[other] });
   }
   file.Timings = result.Timings;
-  file.Compression = { .PaddleForceN = state.PaddleForceN,
-    .SupportForceN = state.SupportForceN,
-    .LargestWallGlideMm = state.LargestWallGlideMm,
-    .OtherEquilibriumMm = found.OtherEquilibriumMm,
-    .VolumeRatio = state.VolumeRatio,
-    .SmallestJ = state.SmallestJ,
-    .LargestJ = state.LargestJ,
-    .LargestPenetrationMm = state.LargestPenetrationMm,
-    .RelativeResidual = state.RelativeResidual };
+  file.Compression = found.State;
   file.Mammogram = mammogram;
   file.Mammogram.Pixels.clear();
   file.ShareExcluded = ShareExcluded(target);

@@ -2,6 +2,7 @@
 #ifndef mammoray_ResultFile_h
 #define mammoray_ResultFile_h
 
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Registration/RegistrationResult.h"
@@ -38,21 +39,6 @@ struct ResultParameter
   double Upper = 0;
   bool Fixed = false;
   bool AtBound = false;
-};
-
-/// The mechanical state between the plates (CompressionState).
-struct ResultCompression
-{
-  double PaddleForceN = 0;
-  double SupportForceN = 0;
-  double LargestWallGlideMm = 0;
-  /// As in ViewResult.
-  double OtherEquilibriumMm = 0;
-  double VolumeRatio = 1;
-  double SmallestJ = 1;
-  double LargestJ = 1;
-  double LargestPenetrationMm = 0;
-  double RelativeResidual = 0;
 };
 
 /// A further projection of a tomosynthesis.
@@ -108,7 +94,8 @@ struct ResultFile : ViewFigures
   std::vector<ResultProjection> Projections;
   /// Wall time by stage of the whole case, s.
   std::vector<std::pair<std::string, double>> Timings;
-  ResultCompression Compression;
+  /// The mechanical state between the plates.
+  EquilibriumMeasures Compression;
   /// The mammogram as the search knew it, without pixels and fields that are not in the file.
   mammoray::Mammogram Mammogram;
   /// Share of the breast's pixels that were not compared, [0, 1].

@@ -123,7 +123,7 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(result.Compression.PaddleForceN, 11);
   EXPECT_EQ(result.Compression.SupportForceN, 12);
   EXPECT_EQ(result.Compression.LargestWallGlideMm, 4);
-  EXPECT_TRUE(std::isnan(result.Compression.OtherEquilibriumMm)) << "none was looked for";
+  EXPECT_TRUE(std::isnan(result.OtherEquilibriumMm)) << "none was looked for";
   EXPECT_EQ(result.Spectrum, this->Input.Spectrum);
   EXPECT_EQ(result.Scatter.Method, "none");
   const auto mammogram = std::find_if(result.Inputs.begin(), result.Inputs.end(),

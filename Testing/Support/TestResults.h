@@ -57,7 +57,15 @@ inline ResultFile MakeResultFile()
   result.Timings = { { "read", 0.5 }, { "register", 44 } };
   result.Iterations = { { 0, { 50, 1.25 }, 3, "global", 12.5, 8, 4, 0.5, 1.25 },
     { 1, { 51.5, 1.25 }, 1.5, "gradient", 6.5, 3, 3, 0.5, 2.5 } };
-  result.Compression = { 87, 0.99, 0.5, 1.5, 0.02, 1e-9 };
+  result.Compression = { .PaddleForceN = 87,
+    .SupportForceN = 91,
+    .LargestPenetrationMm = 0.02,
+    .SmallestJ = 0.5,
+    .LargestJ = 1.5,
+    .VolumeRatio = 0.99,
+    .RelativeResidual = 1e-9,
+    .LargestWallGlideMm = 3 };
+  result.OtherEquilibriumMm = 1.25;
   result.Mammogram = { .Columns = 30,
     .Rows = 50,
     .ColumnSpacingMm = 2.0,

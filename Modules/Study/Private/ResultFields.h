@@ -136,18 +136,25 @@ void ListFields(Fields& fields, ExpectedError& expected)
   fields("most95Mm", OrNull{ expected.Most95Mm });
 }
 
-template <typename Fields>
-void ListFields(Fields& fields, ResultCompression& compression)
+/// The mechanical state, and what the search says of another one.
+struct CompressionFields
 {
-  fields("paddleForceN", compression.PaddleForceN);
-  fields("supportForceN", compression.SupportForceN);
-  fields("largestWallGlideMm", compression.LargestWallGlideMm);
+  EquilibriumMeasures& State;
+  double& OtherEquilibriumMm;
+};
+
+template <typename Fields>
+void ListFields(Fields& fields, CompressionFields& compression)
+{
+  fields("paddleForceN", compression.State.PaddleForceN);
+  fields("supportForceN", compression.State.SupportForceN);
+  fields("largestWallGlideMm", compression.State.LargestWallGlideMm);
   fields("otherEquilibriumMm", OrNull{ compression.OtherEquilibriumMm });
-  fields("volumeRatio", compression.VolumeRatio);
-  fields("smallestJ", compression.SmallestJ);
-  fields("largestJ", compression.LargestJ);
-  fields("largestPenetrationMm", compression.LargestPenetrationMm);
-  fields("relativeResidual", compression.RelativeResidual);
+  fields("volumeRatio", compression.State.VolumeRatio);
+  fields("smallestJ", compression.State.SmallestJ);
+  fields("largestJ", compression.State.LargestJ);
+  fields("largestPenetrationMm", compression.State.LargestPenetrationMm);
+  fields("relativeResidual", compression.State.RelativeResidual);
 }
 
 template <typename Fields>
@@ -209,7 +216,7 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("seconds", result.Seconds);
   fields("timings", result.Timings);
   fields("iterations", result.Iterations);
-  fields("compression", result.Compression);
+  fields("compression", CompressionFields{ result.Compression, result.OtherEquilibriumMm });
   fields("mammogram", result.Mammogram);
   fields("shareExcluded", result.ShareExcluded);
   fields("warnings", result.Warnings);
