@@ -2,6 +2,8 @@
 // The declarations of all quantities of a scene. Reader, writer, options and documentation follow.
 #include "Private/SceneTable.h"
 
+#include "mammoray/Foundation/Numbers.h"
+
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -26,7 +28,11 @@ SceneRow MakeRow(SceneQuantity quantity, std::function<void(SceneDescription&, c
   std::function<Json(const SceneDescription&)> get)
 {
   const Json value = get(SceneDescription());
-  if (value.is_number() || value.is_boolean())
+  if (value.is_number_float())
+  {
+    quantity.Default = NumberText(value.get<double>());
+  }
+  else if (value.is_number() || value.is_boolean())
   {
     quantity.Default = value.dump();
   }
@@ -468,3 +474,5 @@ const std::vector<SceneRow>& SceneRows()
   return rows;
 }
 }
+
+#undef MEMBER
