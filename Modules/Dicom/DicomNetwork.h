@@ -84,6 +84,11 @@ MAMMORAYDICOM_EXPORT void StoreFiles(const std::vector<std::string>& files, cons
 MAMMORAYDICOM_EXPORT void StoreFilesOnWeb(const std::vector<std::string>& files,
   const DicomWebServer& server, const StoredCallback& stored, const StopRequest& stop = {});
 
+/// The reason why a DICOMweb server did not store an object, from the status and JSON body of its
+/// answer (PS3.18 section 10.5.3, PS3.3 C.30.1.2). Empty if it was stored. Parts of the body that
+/// do not follow the standard are ignored.
+MAMMORAYDICOM_EXPORT std::string WhyNotStored(long status, const std::string& body);
+
 /// The archive's description of a study.
 struct ArchivedStudy
 {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Dicom/DicomNetwork.h"
 
-#include "Private/StoreAnswer.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <curl/curl.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -15,6 +16,14 @@ namespace mammoray
 namespace
 {
 constexpr const char* Boundary = "mammoray-5f1c3a0e9b7d4e62";
+
+/// Numbers of the first Failure Reason (0008,1197) in a Failed SOP Sequence (0008,1198).
+std::string FailureReason(const nlohmann::json& failed)
+{
+  const nlohmann::json::json_pointer place("/Value/0/00081197/Value/0");
+  const bool given = failed.contains(place) && failed.at(place).is_number();
+  return "reason " + (given ? failed.at(place).dump() : std::string("not given"));
+}
 
 /// An answer, of which no more is kept than a sound one is long.
 struct Answer
@@ -109,6 +118,33 @@ private:
   std::unique_ptr<CURL, void (*)(CURL*)> Handle;
   std::unique_ptr<curl_slist, void (*)(curl_slist*)> Headers{ nullptr, curl_slist_free_all };
 };
+}
+
+std::string WhyNotStored(long status, const std::string& body)
+{
+  if (status != 200 && status != 202 && status != 409)
+  {
+    return "status " + std::to_string(status);
+  }
+  nlohmann::json json;
+  try
+  {
+    json = nlohmann::json::parse(body, JsonNestingLimit{ "the archive's answer" }, false);
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  if (json.is_object())
+  {
+    const auto failed = json.find("00081198");
+    if (failed != json.end() && failed->is_object() && failed->contains("Value") &&
+      !(*failed)["Value"].empty())
+    {
+      return FailureReason(*failed);
+    }
+  }
+  return status == 409 ? "status 409" : std::string();
 }
 
 void StoreFilesOnWeb(const std::vector<std::string>& files, const DicomWebServer& server,

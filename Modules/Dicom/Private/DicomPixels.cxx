@@ -49,31 +49,6 @@ private:
   OFLogger Logger = OFLog::getLogger("dcmtk");
 };
 
-/// While one lives, GDCM writes nothing to its own streams; what the user needs is in our
-/// exceptions.
-class QuietGdcm
-{
-public:
-  QuietGdcm()
-    : Warning(gdcm::Trace::GetWarningFlag())
-    , Error(gdcm::Trace::GetErrorFlag())
-  {
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-  }
-  ~QuietGdcm()
-  {
-    gdcm::Trace::SetWarning(this->Warning);
-    gdcm::Trace::SetError(this->Error);
-  }
-  QuietGdcm(const QuietGdcm&) = delete;
-  QuietGdcm& operator=(const QuietGdcm&) = delete;
-
-private:
-  const bool Warning;
-  const bool Error;
-};
-
 /// From the smallest to the largest padding value. Empty if there are none.
 std::pair<std::int64_t, std::int64_t> RangeOf(const PixelPadding& padding, bool isSigned)
 {
@@ -223,7 +198,8 @@ void DicomPixels::DecodeByGdcm(DcmPixelData& pixels, const DcmXfer& syntax)
   gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
   element.SetVR(gdcm::VR::OB);
   element.SetValue(*fragments);
-  const QuietGdcm quiet;
+  gdcm::Trace::WarningOff(); // SaidByLibraries would take them for a sign of damage
+  gdcm::Trace::ErrorOff();
   gdcm::Image image;
   image.SetNumberOfDimensions(this->NumberOfFrames > 1 ? 3 : 2);
   image.SetDimension(0, static_cast<unsigned>(this->NumberOfColumns));
