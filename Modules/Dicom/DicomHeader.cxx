@@ -16,8 +16,8 @@ namespace mammoray
 {
 namespace
 {
-/// What may be shown of a text. Of more than any of DICOM's short texts holds nothing is kept: who
-/// looks for patterns in it takes a stack as deep as it is long.
+/// The text in a form that is safe to show, at most 256 bytes: searches for patterns need a stack
+/// as deep as a text is long.
 std::string Shown(const std::string& text)
 {
   constexpr std::size_t most = 256;
@@ -109,7 +109,7 @@ void SplitMoment(const std::string& moment, std::string& date, std::string& time
   }
 }
 
-/// What enhanced MR objects say in other elements than the older ones.
+/// Reads elements that enhanced MR objects have in place of the older ones.
 void ReadEnhanced(DcmItem& data, DicomHeader& header)
 {
   header.SpectralSuppression = Shown(DicomText(data, DCM_SpectrallySelectedSuppression));
@@ -138,7 +138,7 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
   {
     header.SequenceName = Shown(DicomText(data, DCM_PulseSequenceName));
   }
-  // What a frame is made of counts before what the object is called.
+  // The type of the frame counts before that of the object.
   if (const std::vector<std::string> type = Values(data, DCM_FrameType); !type.empty())
   {
     header.ImageType = type;
@@ -178,8 +178,8 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.ImplantPresent = SaysYes(data, DCM_BreastImplantPresent);
 }
 
-/// Whether the file is too short for the pixels that its header promises; of compressed ones that
-/// cannot be told.
+/// True if the file is too short for the pixels that its header promises; false for compressed
+/// ones, whose size is unknown.
 bool LacksPixels(const DicomFile& file, const DicomHeader& header)
 {
   const DcmXfer syntax(file.Data().getOriginalXfer());

@@ -112,7 +112,7 @@ DcmItem MammogramViewItem(const std::string& name)
 
 const char* PixelRelationship(const Mammogram& mammogram)
 {
-  // Of what is made for display neither is true; the standard allows no third (C.8.11.3).
+  // Neither is true of an image made for display, but the standard allows no third (C.8.11.3).
   return mammogram.IntensityRelationship == Mammogram::Relationship::Linear ? "LIN" : "LOG";
 }
 

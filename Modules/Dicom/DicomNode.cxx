@@ -34,7 +34,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/// What a conversation with an archive has found, and the text of its NetworkError if it failed.
+/// The result of a conversation with an archive, or the text of its NetworkError.
 struct ArchiveAnswer
 {
   std::vector<ArchivedStudy> Studies;
@@ -110,7 +110,7 @@ void CheckTitle(const std::string& title)
   }
 }
 
-/// What a file says of itself before its data set.
+/// Class and transfer syntax from the meta information of a file.
 struct FileKind
 {
   std::string Path;
@@ -238,7 +238,7 @@ public:
   }
 
   std::size_t Count = 0;
-  /// What kept an object from being written.
+  /// The reason why an object could not be written.
   std::exception_ptr Problem;
 
 protected:
@@ -358,7 +358,7 @@ void GetStudy(Getter& getter, const ArchivedStudy& study, const DicomNode& node)
   }
 }
 
-/// Tells of each file that the archive has taken.
+/// Sends the files and reports each that the archive has stored.
 void Store(const std::vector<std::string>& files, const DicomNode& node, const TellCallback& tell)
 {
   std::vector<FileKind> kinds;
@@ -370,7 +370,7 @@ void Store(const std::vector<std::string>& files, const DicomNode& node, const T
     const FileKind& kind = kinds.back();
     if (contexts.emplace(kind.SopClass.c_str(), kind.Syntax.c_str()).second)
     {
-      // What is not compressed may go in either order of bytes.
+      // Uncompressed objects may be sent with explicit or implicit representations.
       const bool plain = kind.Syntax == UID_LittleEndianExplicitTransferSyntax ||
         kind.Syntax == UID_LittleEndianImplicitTransferSyntax;
       association.addPresentationContext(kind.SopClass,
@@ -460,7 +460,7 @@ std::vector<ArchivedStudy> Find(const std::string& accessionNumber, const DicomN
   return studies;
 }
 
-/// Gets the studies' objects into the folder, and tells of each.
+/// Writes the studies' objects to the folder and reports each.
 void Get(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
   const std::string& folder, const TellCallback& tell)
 {
@@ -569,7 +569,7 @@ void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
     },
     [&](const std::string& file)
     {
-      // Between two files, so that each that the archive has taken has been told.
+      // Stops only between two files, so that every stored file has been reported.
       if (!file.empty())
       {
         stored(file);

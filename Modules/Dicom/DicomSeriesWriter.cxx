@@ -39,7 +39,7 @@ std::string Backslashed(const std::vector<std::string>& values)
   return text;
 }
 
-/// What all slices share.
+/// The elements that all slices share.
 DcmItem SeriesData(const IntensityVolume& volume, const DicomHeader& header)
 {
   const Vector3& row = volume.Direction[0];

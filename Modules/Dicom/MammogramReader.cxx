@@ -99,7 +99,7 @@ std::string MetalTerm(const std::string& metal)
   return std::find(known.begin(), known.end(), metal) != known.end() ? metal : "OTHER";
 }
 
-/// What the header says of the breast and the unit.
+/// Reads the description of the breast and the unit.
 void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 {
   mammogram.View = ViewTerm(MammogramViewOf(data));
@@ -118,7 +118,7 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)
 {
   mammogram.PresentationIntent = MammogramIntent(data);
-  // What is taken for the other is registered with a wrong thickness, and looks right.
+  // An image of the wrong intent is registered with a wrong thickness, and looks right.
   const std::string storage = DicomText(data, DCM_SOPClassUID);
   const bool isRaw = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
   const bool isKnown = IsBreastProjection(storage) ||
@@ -199,7 +199,7 @@ void CheckIsOne(DcmItem& data, const std::string& path)
   }
 }
 
-/// Of the attributes of a frame's functional groups, all on one level.
+/// Reads the positions of source and detector from the flat attributes of a frame.
 SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
 {
   const auto number = [&](const DcmTagKey& tag, unsigned long index = 0)
@@ -247,7 +247,7 @@ SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
   return place;
 }
 
-/// What the header and its functional groups say of a frame but its pixels.
+/// Reads a frame without its pixels.
 Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& path)
 {
   Mammogram mammogram;
@@ -263,7 +263,7 @@ Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& 
   }
   mammogram.SourceFootPixel = { over[0], over[1] };
   mammogram.SourceToDetectorMm = over[2];
-  // Of the breast's support; the source's own angle is another for each projection.
+  // The angle of the breast support; the source's own angle differs between projections.
   mammogram.PositionerPrimaryAngleDeg =
     place.DetectorPrimaryDeg == 0 ? 0 : -place.DetectorPrimaryDeg;
   return mammogram;
@@ -327,7 +327,7 @@ std::vector<Mammogram> ReadProjections(const std::string& path)
 
 std::size_t MiddleProjection(const std::vector<Mammogram>& projections)
 {
-  // Of a picture without a foot there is one only.
+  // An image without a foot is the only one.
   const auto foot = [&](std::size_t number) {
     return projections[number].SourceFootPixel.value_or(std::array<double, 2>{ 0, 0 });
   };

@@ -75,7 +75,7 @@ std::vector<DcmItem> Table(DcmItem& data, const DcmTagKey& sequence)
   return {};
 }
 
-/// What turns stored values to those shown: a presentation state replaces all that the image says.
+/// Adds the mapping from stored to displayed values. A presentation state replaces the image's.
 void AddDisplay(DcmItem& data, DcmItem& image)
 {
   if (const auto table = Table(image, DCM_ModalityLUTSequence); !table.empty())

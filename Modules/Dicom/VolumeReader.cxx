@@ -320,7 +320,7 @@ LabelVolume ReadDicomLabels(const std::string& path)
   }
   else
   {
-    // Of a segmentation, one bit becomes a number of four bytes.
+    // Each bit of a segmentation becomes a number of four bytes.
     ReadLimits limits = ReadLimits::Of({ path });
     limits.MemoryBytes *= 2;
     slices =

@@ -95,7 +95,7 @@ void SetUpReader(const ReadLimits& limits)
   dup2(said, STDERR_FILENO);
 }
 
-/// What a file in memory lacked when it could not be written.
+/// Throws for a file in memory that could not be written.
 [[noreturn]] void RefuseToWrite()
 {
   if (errno == EFBIG)
@@ -135,7 +135,7 @@ void SetUpReader(const ReadLimits& limits)
   {
     ending = Ending::Died;
   }
-  // What could not be written would be tried again.
+  // Drops the bytes that could not be written; rewinding would write them again.
   __fpurge(file);
   std::rewind(file);
   std::fwrite(&ending, sizeof ending, 1, file);
@@ -161,7 +161,7 @@ void Tell(int socket, const std::string& text)
   }
 }
 
-/// Passes on and replies to what has been told, or passes on an empty text.
+/// Passes on each text that the reader has sent and replies to it, or passes on an empty text.
 void Hear(int socket, const TellCallback& heard)
 {
   if (!heard)
@@ -250,7 +250,7 @@ int RunReader(std::FILE* file, const std::string& what, const ReadLimits& limits
   return WaitFor(reader, ours.Get(), 10 * limits.Seconds + 60, heard);
 }
 
-/// Returns what the end of a reader that has neither read nor refused its file says of the file.
+/// Describes the file by the end of a reader that has neither read nor refused it.
 std::string Finding(Ending ending, int status, const ReadLimits& limits)
 {
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;

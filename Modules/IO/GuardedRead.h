@@ -93,7 +93,7 @@ private:
   const std::string What;
 };
 
-/// What a reader may take before it is stopped.
+/// Memory and time that a reader may use before it is stopped.
 struct MAMMORAYIO_EXPORT ReadLimits
 {
   /// Memory beyond that of the process when it begins, bytes.

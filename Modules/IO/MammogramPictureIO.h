@@ -11,7 +11,7 @@
 
 namespace mammoray
 {
-/// What the header of a DICOM mammogram would state about a picture.
+/// The part of a DICOM header that a picture lacks.
 struct PictureDescription
 {
   /// Distance of pixel centres at the receptor, mm.

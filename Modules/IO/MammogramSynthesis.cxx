@@ -48,7 +48,7 @@ std::string ViewOfRoll(double rollDeg, char laterality)
   return Views[std::lround((medial + 180) / 45)];
 }
 
-/// The number of pixels that the mammogram says and the values have.
+/// The number of pixels of the mammogram; throws InputError unless there are as many values.
 std::size_t CheckedPixelCount(const Mammogram& mammogram, const std::vector<float>& values)
 {
   const std::size_t pixelCount =

@@ -18,7 +18,7 @@ namespace
 /// A table of the shipped size has 66,240 shares.
 constexpr std::size_t MostShares = 10000000;
 
-/// What the shipped attenuations are of, as their first lines say: ICRP's tissue and those of
+/// Compositions of the shipped attenuations, from their first lines: ICRP's tissue and those of
 /// Woodard and White (Brit. J. Radiol. 59, 1986), mass fractions.
 const std::map<std::string, std::string>& ShippedCompositions()
 {

@@ -47,7 +47,7 @@ public:
     , Most(most)
   {
   }
-  /// What headers do not hold, empty where all is well.
+  /// The reason why this is no header; empty if it may be one.
   const char* Excess() const
   {
     return this->IsTooDeep ? "sequences nested too deep"
@@ -113,7 +113,7 @@ std::string Beginning(const std::string& path)
   return bytes;
 }
 
-/// Whether an element of group 2 or 8 comes first, whose value is as short as those there are.
+/// True if the first element is of group 2 or 8 and has a short value.
 bool IsDataSet(const std::string& bytes)
 {
   if (bytes.size() < 132)

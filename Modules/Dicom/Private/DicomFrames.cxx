@@ -59,7 +59,7 @@ DicomFrames::DicomFrames(DcmItem& data, const std::string& path)
       Add(*element, *this->Own);
     }
   }
-  // Of one frame now.
+  // A flat data set has one frame.
   this->Own->findAndDeleteElement(DCM_NumberOfFrames);
 }
 

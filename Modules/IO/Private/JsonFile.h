@@ -27,7 +27,7 @@ public:
   /// `place`: "scene.json: samples[2]". Throws InputError on anything but an object of these keys;
   /// `value` must outlive this.
   JsonObject(const Json& value, std::string place, const std::vector<std::string>& keys);
-  /// Of a file's root.
+  /// The object at the root of a file.
   static JsonObject Root(const Json& value, const std::string& path,
     const std::vector<std::string>& keys);
 
