@@ -41,7 +41,7 @@ TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   ASSERT_EQ(before->Groups.size(), 2u);
   EXPECT_EQ(before->Priors.rows(), 2);
   const std::vector<double> residuals = evaluator.Residuals;
-  const std::vector<double> column = evaluator.Jacobian[1];
+  const Eigen::VectorXd column = evaluator.Jacobian.col(1);
 
   ResidualGroups weighedGroups = *before;
   weighedGroups.WeighByVariances(evaluator);
@@ -56,11 +56,12 @@ TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
       1e-9 * before->Variances.Sigmas[group]);
     const double change = factors[group] / before->Factors[group];
     EXPECT_GT(std::abs(change - 1), 1e-2) << "tells nothing otherwise";
-    const auto first = static_cast<std::size_t>(before->First[group]);
-    EXPECT_NEAR(evaluator.Residuals[first], change * residuals[first],
-      1e-12 * std::abs(evaluator.Residuals[first]));
-    EXPECT_NEAR(evaluator.Jacobian[1][first], change * column[first],
-      1e-12 * std::abs(evaluator.Jacobian[1][first]));
+    const Eigen::Index first = before->First[group];
+    const auto index = static_cast<std::size_t>(first);
+    EXPECT_NEAR(evaluator.Residuals[index], change * residuals[index],
+      1e-12 * std::abs(evaluator.Residuals[index]));
+    EXPECT_NEAR(evaluator.Jacobian(first, 1), change * column[first],
+      1e-12 * std::abs(evaluator.Jacobian(first, 1)));
   }
   // Weighed by variances, the covariance is that of the weights and what parameters absorb.
   const Eigen::MatrixXd covariance = CovarianceOf(evaluator, weighedGroups);
@@ -72,7 +73,7 @@ TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
 
   // What was scaled is what is found when it is computed again.
   const std::vector<double> weighed = evaluator.Residuals;
-  const std::vector<double> weighedColumn = evaluator.Jacobian[1];
+  const Eigen::VectorXd weighedColumn = evaluator.Jacobian.col(1);
   const std::vector<double> block = evaluator.Block;
   evaluator.Block[1] += 0.1;
   evaluator.PrepareForEvaluation(true, true);
@@ -94,8 +95,9 @@ TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   {
     // The state without load is solved to 1e-6 of the forces; residuals are in deviations.
     EXPECT_NEAR(evaluator.Residuals[index], weighed[index], 1e-3);
-    EXPECT_NEAR(evaluator.Jacobian[1][index], weighedColumn[index],
-      1e-2 * (1 + std::abs(weighedColumn[index])));
+    const auto row = static_cast<Eigen::Index>(index);
+    EXPECT_NEAR(evaluator.Jacobian(row, 1), weighedColumn[row],
+      1e-2 * (1 + std::abs(weighedColumn[row])));
   }
 }
 

@@ -97,13 +97,10 @@ void RegistrationEvaluator::Weigh(const std::vector<std::vector<double>>& factor
     const std::vector<double> own = this->Views[view]->Compared.Weigh(factors[view]);
     changes.insert(changes.end(), own.begin(), own.end());
   }
-  const auto multiply = [&changes](std::vector<double>& values)
-  {
-    std::transform(values.begin(), values.end(), changes.begin(), values.begin(),
-      std::multiplies<>());
-  };
-  multiply(this->Residuals);
-  std::for_each(this->Jacobian.begin(), this->Jacobian.end(), multiply);
+  std::transform(this->Residuals.begin(), this->Residuals.end(), changes.begin(),
+    this->Residuals.begin(), std::multiplies<>());
+  const Eigen::Map<const Eigen::ArrayXd> factor(changes.data(), this->Jacobian.rows());
+  this->Jacobian.array().colwise() *= factor;
 }
 
 RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
@@ -114,10 +111,7 @@ RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
   Eigen::VectorXd row(count);
   for (std::size_t index = 0; index < this->Residuals.size(); ++index)
   {
-    for (Eigen::Index u = 0; u < count; ++u)
-    {
-      row[u] = this->Jacobian[static_cast<std::size_t>(u)][index];
-    }
+    row = this->Jacobian.row(static_cast<Eigen::Index>(index)).transpose();
     const double weight = this->Weight(index);
     hessian += weight * row * row.transpose();
     gradient += weight * this->Residuals[index] * row;
@@ -199,8 +193,8 @@ bool RegistrationEvaluator::Evaluate(bool withJacobian)
 
 void RegistrationEvaluator::EvaluateJacobian()
 {
-  this->Jacobian.assign(this->FreeParameters.size(),
-    std::vector<double>(this->RobustWidths.size(), 0.0));
+  this->Jacobian.setZero(static_cast<Eigen::Index>(this->RobustWidths.size()),
+    static_cast<Eigen::Index>(this->FreeParameters.size()));
   this->HasJacobian = true;
   if (this->Stopped)
   {
@@ -218,11 +212,12 @@ void RegistrationEvaluator::EvaluateJacobian()
     for (std::size_t index = 0; index < selected.Numbers.size(); ++index)
     {
       const std::size_t unknown = selected.Numbers[index];
-      const double scale = this->FreeParameters[unknown].Scale;
       const std::vector<double>& column = jacobian.Columns[selected.Parameters[index]];
-      std::transform(column.begin(), column.end(),
-        this->Jacobian[unknown].begin() + static_cast<std::ptrdiff_t>(this->First[view]),
-        [scale](double entry) { return scale * entry; });
+      const auto rows = static_cast<Eigen::Index>(column.size());
+      this->Jacobian.col(static_cast<Eigen::Index>(unknown))
+        .segment(static_cast<Eigen::Index>(this->First[view]), rows) =
+        this->FreeParameters[unknown].Scale *
+        Eigen::Map<const Eigen::VectorXd>(column.data(), rows);
     }
   }
 }

@@ -68,8 +68,8 @@ public:
   std::vector<std::size_t> First;
   /// Sizes above which the robust loss is linear; infinite for priors.
   std::vector<double> RobustWidths;
-  /// Column u is d residuals / d Block[u].
-  std::vector<std::vector<double>> Jacobian;
+  /// d Residuals / d Block, a column for each free parameter.
+  Eigen::MatrixXd Jacobian;
   bool Valid = false;
   bool Stopped = false;
   /// Number of poses tried that have no equilibrium.

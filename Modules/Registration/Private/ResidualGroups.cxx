@@ -60,7 +60,7 @@ void AddGroups(const PictureResiduals& compared, PosedBreast& seen,
   plane.LeastCovariance = LeastPictureCovariance * compared.TargetRms() * compared.TargetRms();
 }
 
-ResidualGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
+ResidualGroups GroupsOf(RegistrationEvaluator& evaluator)
 {
   ResidualGroups groups;
   const Eigen::Map<const Eigen::VectorXd> residuals(evaluator.Residuals.data(),
@@ -73,8 +73,8 @@ ResidualGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd&
     for (std::size_t projection = 0; projection < view.Compared.NumberOfProjections(); ++projection)
     {
       const PictureResiduals& picture = view.Compared.Picture(projection);
-      AddGroups(picture, view.Compared.Seen(*view.Current, projection), residuals, jacobian, begin,
-        groups);
+      AddGroups(picture, view.Compared.Seen(*view.Current, projection), residuals,
+        evaluator.Jacobian, begin, groups);
       groups.View.resize(groups.Groups.size(), number);
       begin += static_cast<Eigen::Index>(picture.NumberOfResiduals());
     }
@@ -84,7 +84,7 @@ ResidualGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd&
 }
 
 /// Rows of the Jacobian that belong to priors: in their standard deviations.
-Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
+Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator)
 {
   std::vector<Eigen::Index> rows;
   for (std::size_t index = 0; index < evaluator.RobustWidths.size(); ++index)
@@ -94,7 +94,7 @@ Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::M
       rows.push_back(static_cast<Eigen::Index>(index));
     }
   }
-  return jacobian(rows, Eigen::all);
+  return evaluator.Jacobian(rows, Eigen::all);
 }
 }
 
@@ -116,15 +116,8 @@ std::optional<ResidualGroups> CompareGroups(RegistrationEvaluator& evaluator)
   {
     return std::nullopt;
   }
-  const auto count = static_cast<Eigen::Index>(evaluator.FreeParameters.size());
-  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(evaluator.Residuals.size()), count);
-  for (Eigen::Index u = 0; u < count; ++u)
-  {
-    jacobian.col(u) = Eigen::Map<const Eigen::VectorXd>(
-      evaluator.Jacobian[static_cast<std::size_t>(u)].data(), jacobian.rows());
-  }
-  ResidualGroups groups = GroupsOf(evaluator, jacobian);
-  const Eigen::MatrixXd priorRows = PriorRows(evaluator, jacobian);
+  ResidualGroups groups = GroupsOf(evaluator);
+  const Eigen::MatrixXd priorRows = PriorRows(evaluator);
   groups.Priors = priorRows.transpose() * priorRows;
   groups.Variances = EstimateVariances(groups.Groups, groups.Priors);
   if (!groups.Variances.Determined)

@@ -78,7 +78,7 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
       }
       if (const auto known = UnknownOf(evaluator.FreeParameters, parameter.Parameter, view))
       {
-        put(index, evaluator.Jacobian[*known].data() + first,
+        put(index, evaluator.Jacobian.col(static_cast<Eigen::Index>(*known)).data() + first,
           parameter.Scale / evaluator.FreeParameters[*known].Scale);
       }
       else

@@ -62,7 +62,9 @@ public:
       residuals[row] = factor * this->Source.Residuals[first + row];
       for (std::size_t u = 0; jacobians && jacobians[0] && u < columns; ++u)
       {
-        jacobians[0][row * columns + u] = factor * this->Source.Jacobian[u][first + row];
+        jacobians[0][row * columns + u] = factor *
+          this->Source.Jacobian(static_cast<Eigen::Index>(first + row),
+            static_cast<Eigen::Index>(u));
       }
     }
     return true;
