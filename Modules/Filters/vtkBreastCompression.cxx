@@ -39,17 +39,17 @@ struct ElasticEntry
   bool operator==(const ElasticEntry&) const = default;
 };
 
-/// What the model is made of.
+/// Everything that the model is made from.
 struct CompressionSetup
 {
-  /// Of input 0.
+  /// Mesh of input 0.
   TetrahedralMesh Anatomy;
   /// To simulate on; none: the anatomy itself where it is coarse enough.
   std::optional<TetrahedralMesh> Coarse;
   AnatomicalAxes Axes;
   ElasticTable Materials;
   CompressionOptions Options;
-  /// Of the image; 0: not to be unloaded of.
+  /// Gravity in the image, m/s^2; 0: the image shows the shape without load.
   Vector3 ImageGravity{ 0, 0, 0 };
 
   bool operator==(const CompressionSetup& other) const
@@ -61,7 +61,7 @@ struct CompressionSetup
   }
 };
 
-/// The time that is asked for; 1, closed, where none is.
+/// The requested time; 1, closed, without a request.
 double TimeAsked(vtkInformation* information)
 {
   return information->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP())
@@ -237,7 +237,7 @@ void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
   this->State = this->Pressed;
 }
 
-/// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
+/// `thicknessMm`: value of the field array; if empty, the distance of the plates.
 vtkSmartPointer<vtkUnstructuredGrid> vtkBreastCompression::Internals::Compressed(
   vtkUnstructuredGrid* input, const std::optional<double>& thicknessMm)
 {

@@ -24,7 +24,7 @@
  * input, from which vtkXRayProjector knows where source and detector stand).
  *
  * With NumberOfTimeSteps above 1 the output is a time series of the compression: at time 0 the
- * plates just touch nothing, at 1 they are closed. Without a time asked for they are closed.
+ * plates just touch nothing, at 1 they are closed. Without a requested time they are closed.
  *
  * The simulation and its last state live across updates: while only plates or time change, a
  * compression to a thickness starts from the last one (not with friction, whose result would depend

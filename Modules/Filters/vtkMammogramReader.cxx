@@ -39,7 +39,7 @@ void vtkMammogramReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FileName: " << this->FileName << "\n";
 }
 
-// The size is asked for before the pixels: one reading serves both until the reader is modified.
+// VTK requests the size before the pixels. One reading serves both until the reader is modified.
 bool vtkMammogramReader::Load()
 {
   Internals& in = *this->Internal;

@@ -42,7 +42,7 @@ std::vector<std::vector<double>> DetectedRates(const BreastModel& model, const X
 {
   const std::size_t pixels = lengths.NumberOfPixels();
   const std::vector<float> mean = model.XRays().MeanAttenuation(lengths);
-  // Of the primary radiation alone.
+  // Rates of the primary radiation alone.
   std::vector<std::vector<double>> rates(static_cast<std::size_t>(derivatives.Fields),
     std::vector<double>(pixels));
   for (int field = 0; field < derivatives.Fields; ++field)

@@ -30,22 +30,21 @@ constexpr double NegligibleFallOnTheWay = 2;
 /// left out.
 constexpr double HopelessOutlineMm = 10;
 
-/// Of the tissue's correlation so much is lost by chance.
+/// The correlation of the tissue can fall by this much by chance.
 constexpr double LostTissueCorrelation = 0.02;
 
-/// Where stages of a search end, as parts of its time: the start chosen, coarse resolutions
-/// searched by the predictor, the simulation itself where that got to. Of a study's 150 to 200 s.
+/// Fractions of a search's time (150 to 200 s for a study) at which its stages end: choice of the
+/// start, coarse resolutions with the predictor, equilibrium of the simulation itself there.
 constexpr double StartEnds = 0.1;
 constexpr double CoarseEnds = 0.35;
 constexpr double AdoptedEnds = 0.45;
-/// Equilibria that a stage takes for each view, by experience: a level 8 to 25.
+/// Typical number of equilibria of a stage per view; a level takes 8 to 25.
 constexpr double EquilibriaOfStart = 5;
 constexpr double EquilibriaOfLevel = 12;
 
 /**
- * Of a stage that takes from `from` to `to` of the whole, in equilibria that each tell of
- * themselves from 0 to 1: how many it needs is not known, so that it draws near its end, never
- * back.
+ * Progress of a stage that takes from `from` to `to` of the whole. It consists of equilibria, each
+ * of which reports 0 to 1. Their number is unknown, so the progress approaches `to` asymptotically.
  */
 ProgressCallback Counted(const ProgressCallback& progress, double from, double to,
   double expectedEquilibria)
@@ -170,7 +169,7 @@ public:
     this->Levels(false, 0, this->Options.PixelSizesMm.size(), StartEnds);
   }
 
-  /// What Run has found.
+  /// The result of Run.
   RegistrationResult Result()
   {
     const double seconds = SecondsSince(this->State.Begin);
@@ -236,7 +235,7 @@ private:
     }
   }
 
-  /// Whether outlines are too far apart to be searched on; says so in the results, then.
+  /// True if the outlines are too far apart to continue; then sets StopReason of the results.
   bool EndsHopeless()
   {
     double apart = 0;
@@ -275,7 +274,7 @@ private:
     return options;
   }
 
-  /// At the finest resolution.
+  /// Similarity of a view at the finest resolution.
   Similarity SimilarityOf(ViewSearch& view) const
   {
     const RegistrationTarget& finest = view.Input->Levels.back();
@@ -284,7 +283,7 @@ private:
       finest);
   }
 
-  /// Of one mammogram's share in a stage that takes them one by one.
+  /// Progress of one view in a stage that processes views one after the other.
   ProgressCallback OfView(const ViewSearch& view, double from, double to) const
   {
     const std::vector<ViewSearch>& all = this->State.Views;
@@ -402,7 +401,7 @@ private:
     return search(this->FirstComparison());
   }
 
-  /// Of all mammograms on average; NaN where one of them does not tell.
+  /// Mean over the views; NaN if it is unknown for one of them.
   double TissueCorrelation()
   {
     double sum = 0;

@@ -82,8 +82,8 @@ struct RegistrationOptions
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
 
-/// Whether views of one breast have a parameter in common: its stiffness. All others say how the
-/// unit stood and how the breast was laid into it, for each exposure anew.
+/// True for the parameter that all views of one breast share: its stiffness. The others describe
+/// the position of the breast in the unit, which differs between exposures.
 MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
 
 /**
@@ -94,7 +94,7 @@ struct ViewProjection
 {
   /// Gantry frame, mm; above the receptor.
   Vector3 FocalSpotMm{ 0, 0, 0 };
-  /// As View::Levels.
+  /// The targets at each pixel size, as in View::Levels.
   std::vector<RegistrationTarget> Levels;
 };
 
@@ -143,7 +143,7 @@ struct MAMMORAYREGISTRATION_EXPORT RegistrationProblem
   void Validate() const;
 };
 
-/// What the breast of a problem is made from.
+/// Input from which MakeProblem makes the model of a breast.
 struct BreastInput
 {
   MaterialTable Materials;

@@ -27,7 +27,7 @@ const char* VerdictOf(Trust trust)
 
 namespace
 {
-/// Of one plate's force the least that the other presses with where both hold the breast.
+/// If both plates hold the breast, each presses with at least this share of the other's force.
 constexpr double LeastShareOfForce = 0.05;
 
 /// How many standard deviations a value lies from where its prior expects it: the prior's and,
@@ -77,7 +77,7 @@ void AddMechanics(const ViewResult& result, const Add& add)
   }
 }
 
-/// Adds what the tissue inside tells of whose breast is pictured.
+/// Adds doubts that picture and volume are of one breast, from the correlation of their tissue.
 template <typename Add>
 void AddTissue(const ViewResult& result, const Add& add)
 {

@@ -181,7 +181,7 @@ struct FreeParameter
   int Parameter = 0;
   /// Numbers of the views that have it.
   std::vector<std::size_t> Views;
-  /// Those of the first of them.
+  /// Bounds and scale in the first of these views.
   double Lower = 0;
   double Upper = 0;
   double Scale = 1;
@@ -189,12 +189,12 @@ struct FreeParameter
   bool IsShared() const { return this->Views.size() > 1; }
 };
 
-/// What a registration found. It is complete when Register returns.
+/// Result of a registration. It is complete when Register returns.
 struct RegistrationResult
 {
   /// In the order of the problem. Counts and costs are those of each view, seconds those of all.
   std::vector<ViewResult> Views;
-  /// What was free, view by view; a shared parameter once.
+  /// The free parameters, view by view; a shared one once.
   std::vector<FreeParameter> FreeParameters;
   /// Covariance[i * FreeParameters.size() + j], in the parameters' units; empty if unknown.
   std::vector<double> Covariance;
@@ -220,7 +220,7 @@ inline constexpr double LeastTissueCorrelation = 0.3;
  */
 MAMMORAYREGISTRATION_EXPORT Assessment Assess(const ViewResult& result);
 
-/// Whether a free parameter's value lies at a bound, up to a thousandth of the way between them.
+/// True if a free parameter's value lies within a thousandth of its range from a bound.
 MAMMORAYREGISTRATION_EXPORT bool AtBound(const RegistrationParameter& parameter, double value);
 
 /// X-rays a compressed breast, with `samples` rays along each side of a pixel. The silhouette is
@@ -233,11 +233,12 @@ MAMMORAYREGISTRATION_EXPORT Similarity Compare(const SyntheticMammogram& synthet
   const RegistrationTarget& target);
 
 /**
- * What a model of tissue gets wrong beyond the parameters that are found (stiffness, chest wall,
+ * Error of the model of tissue beyond the estimated parameters (stiffness, chest wall,
  * segmentation, the shape without load): standard deviation of each coordinate of a compressed
- * point, by so much anywhere, mm, and by this share of its deformation, which is its displacement
- * less the rigid motion of the tissue between the plates. So much holds 95 % of the coordinates of
- * virtual studies of patients' anatomies, and more of phantoms' (docs/accuracy.md, "How sure").
+ * point. It is the root of the sum of squares of a constant, mm, and of a share of the point's
+ * deformation, which is its displacement less the rigid motion of the tissue between the plates.
+ * Two standard deviations hold 95 % of the coordinates in virtual studies of patients' anatomies,
+ * and more in phantoms (docs/accuracy.md, "How sure").
  */
 inline constexpr double ModelErrorMm = 0.3;
 inline constexpr double ModelErrorShare = 0.12;
@@ -264,8 +265,8 @@ private:
   Vector3 Shift{ 0, 0, 0 };
 };
 
-/// Of the tissue between the plates, by the covariance of the parameters (ConsideredCovariance,
-/// else Covariance) and the model's own error; nothing where the result has neither covariance.
+/// Expected error of the tissue between the plates from the covariance of the parameters
+/// (ConsideredCovariance, else Covariance) and the model's own error; nothing without a covariance.
 MAMMORAYREGISTRATION_EXPORT std::optional<ExpectedError> ExpectedErrorOf(
   const TetrahedralMesh& anatomy, const ViewResult& result);
 }

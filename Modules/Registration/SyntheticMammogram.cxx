@@ -16,7 +16,7 @@ namespace mammoray
 {
 namespace
 {
-/// In which outlines are drawn and measured.
+/// Directions in which outlines are drawn and measured.
 std::vector<ReceptorPoint> DrawnDirections()
 {
   return HalfCircleDirections(360);
@@ -111,7 +111,8 @@ double CorrelationAt(const std::vector<std::size_t>& pixels, const std::vector<f
   return sum / static_cast<double>(pixels.size());
 }
 
-/// In pixels large enough for little noise; those that are breast in both pictures and compared.
+/// Correlation of the tissue (Similarity::TissueCorrelation), in pixels large enough for low noise
+/// that are breast in both pictures and not excluded.
 double CorrelateTissue(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
 {
   const RegistrationTarget real = CoarsenTo(target, TissuePixelMm);

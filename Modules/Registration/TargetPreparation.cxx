@@ -18,7 +18,7 @@ namespace mammoray
 {
 namespace
 {
-/// What is not compared: see TargetOptions.
+/// Excludes pectoral muscle and markers as TargetOptions requests.
 void Exclude(const Mammogram& mammogram, double rollDeg, const TargetOptions& options,
   RegistrationTarget& target)
 {
@@ -74,7 +74,7 @@ struct FineBreast
 {
   PixelGrid Grid;
   int Factor = 1;
-  /// What belongs to it, and what of that is brighter than its edge, not filled.
+  /// The breast, and those of its pixels that are above the edge level rather than filled in.
   PixelMask Mask;
   PixelMask Seen;
 };
@@ -193,8 +193,8 @@ void CheckWhole(const PixelGrid& grid, RegistrationTarget& target)
 {
   const CutBorders cut = FindCutBorders(grid, target);
   char text[256];
-  // Where the front is touched more, the header has mistaken it for the chest wall, which is warned
-  // of.
+  // If the breast touches the front more, the header takes the front for the chest wall. Another
+  // warning says that.
   if (cut.FrontMm > MostCutMm && cut.FrontMm <= cut.ChestWallMm)
   {
     std::snprintf(text, sizeof text,

@@ -16,7 +16,7 @@ namespace
 constexpr double BlockMm = 10;
 /// Fewer pixels of air in a block say little.
 constexpr std::size_t LeastInBlock = 8;
-/// What is scattered spreads over this much; also how far the remainder of a block counts.
+/// Length over which scatter spreads, which is also how far the remainder of a block counts.
 constexpr double SpreadMm = 12;
 /// Standard deviations of what is expected of the level, in contrasts of the breast, per 100 mm and
 /// per its square: a heel of 20 % over 200 mm is 0.11 in the logarithm, a tenth of what an average

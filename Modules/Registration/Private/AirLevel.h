@@ -36,7 +36,7 @@ public:
 
   /// The smooth level at a pixel's centre.
   double At(int column, int row) const;
-  /// The same with what scatter adds there.
+  /// The level including the scatter there.
   double LocalAt(int column, int row) const;
   /// Robust standard deviation of air within a block.
   double Sigma() const { return this->Deviation; }
@@ -67,7 +67,7 @@ private:
   std::vector<Block> Blocks;
   std::array<double, 6> Coefficients{};
   double Deviation = 0;
-  /// At the blocks' centres, also those without air; row by row.
+  /// Remainders at the centres of all blocks, also those without air; row by row.
   int CountAcross = 1;
   int CountDown = 1;
   std::vector<double> Remainders;

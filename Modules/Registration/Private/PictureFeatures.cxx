@@ -141,8 +141,8 @@ PictureFeatures::Found PictureFeatures::Of(const std::vector<float>& image) cons
       break;
     case PictureComparison::Local:
     {
-      // Of the whole picture's scores: the window's own scale and offset cancel in any case, and
-      // the least deviation is then a number.
+      // Windows take the scores of the whole picture: their own scale and offset cancel in any
+      // case, and the least deviation needs no unit.
       std::vector<double> squares(scores.size());
       std::transform(scores.begin(), scores.end(), squares.begin(),
         [](double score) { return score * score; });

@@ -12,7 +12,7 @@
 
 namespace mammoray
 {
-/// What is compared of a picture at some pixels, free of its scale and offset; see
+/// The compared features of a picture at some pixels, independent of its scale and offset; see
 /// PictureComparison.
 class MAMMORAYREGISTRATION_EXPORT PictureFeatures
 {
@@ -27,7 +27,7 @@ public:
   {
     std::vector<double> Values;
     ZScores Whole;
-    /// Of each window.
+    /// Mean and standard deviation of each window.
     std::vector<double> Means;
     std::vector<double> Deviations;
   };
@@ -46,7 +46,7 @@ private:
 
   void FindWindows(const ReceptorGrid& grid, double windowMm);
   void FindNeighbours(const ReceptorGrid& grid);
-  /// Of pairs, over their distances.
+  /// Differences of the pairs over their distances.
   std::vector<double> Differences(const std::vector<double>& values) const;
   double MeanOver(std::size_t window, const std::vector<double>& values) const;
 

@@ -45,8 +45,8 @@ public:
   void AppendRates(PosedBreast& seen, const VectorFields& velocities,
     const std::vector<std::vector<double>*>& columns) const;
 
-  /// What distances of the outline, mm, and differences of the picture are multiplied by: by the
-  /// options, unless Weigh has said otherwise.
+  /// Factors on distances of the outline, mm, and on differences of the picture: from the options,
+  /// until Weigh sets others.
   double OutlineFactor() const { return this->OutlineWeight; }
   double IntensityFactor() const { return this->IntensityWeight; }
   void Weigh(double outlineFactor, double intensityFactor)
@@ -56,7 +56,7 @@ public:
   }
   /// Root mean square of what is compared of the target's picture.
   double TargetRms() const { return this->FeatureRms; }
-  /// Where on the receptor the residuals of the outline and of the picture lie, mm.
+  /// Positions on the receptor of the residuals of outline and picture, mm.
   std::vector<ReceptorPoint> OutlinePlaces(PosedBreast& seen) const;
   std::vector<ReceptorPoint> IntensityPlaces() const;
   /// The area that each residual of the picture stands for, mm^2. Gradients are two for a pixel.
@@ -66,7 +66,7 @@ private:
   void ChooseOutlineSamples();
   void ChoosePixels();
   ReceptorPoint OnOutline(std::size_t direction, double radius) const;
-  /// What a field of velocities of the surface adds to a column.
+  /// Appends the rates of the outline's residuals for one velocity field of the surface.
   void AddOutlineRates(PosedBreast& seen, std::span<const double> velocities,
     std::vector<double>& column) const;
 

@@ -18,8 +18,8 @@ MAMMORAYREGISTRATION_EXPORT std::vector<float> Median3x3(const PixelGrid& grid,
 MAMMORAYREGISTRATION_EXPORT std::vector<float> Refine(const PixelGrid& grid,
   std::vector<float>& values, const PixelGrid& fine, int factor);
 
-/// What stands out of its surroundings in a picture: each pixel of `mask` less the mean around it,
-/// by a Gaussian of `sigmaMm` over the pixels of the mask; 0 elsewhere.
+/// Details of a picture: each pixel of `mask` less the mean around it, by a Gaussian of `sigmaMm`
+/// over the pixels of the mask; 0 elsewhere.
 MAMMORAYREGISTRATION_EXPORT std::vector<float> Details(const PixelGrid& grid,
   const std::vector<float>& values, const PixelMask& mask, double sigmaMm);
 

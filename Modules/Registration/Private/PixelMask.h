@@ -67,7 +67,7 @@ MAMMORAYREGISTRATION_EXPORT std::array<double, 4> TouchedSides(const PixelGrid& 
  */
 MAMMORAYREGISTRATION_EXPORT void FillDarkFrame(const PixelGrid& grid, PixelMask& mask);
 
-/// What is thicker than `thinnest` mm, with everything of the mask near it.
+/// The parts of the mask that are thicker than `thinnest` mm, and the pixels of the mask near them.
 MAMMORAYREGISTRATION_EXPORT PixelMask WithoutThinParts(const PixelGrid& grid, PixelMask mask,
   double thinnest);
 }

@@ -31,8 +31,8 @@ public:
   /// Returns to equilibria of the current parameters.
   void ReturnTo(const std::vector<std::shared_ptr<PosedBreast>>& states);
 
-  /// Of each view what RegistrationResiduals::Weigh takes, at the evaluated point, which has its
-  /// Jacobian; there and from there on.
+  /// Applies new factors to each view (RegistrationResiduals::Weigh), at the evaluated point, whose
+  /// Jacobian must be known, and from then on.
   void Weigh(const std::vector<std::vector<double>>& factors);
 
   /// Minimum of the Gauss-Newton model of the cost at the evaluated point, residuals weighted by
@@ -44,7 +44,7 @@ public:
     double Fall = 0;
   };
   Bottom PredictedBottom() const;
-  /// By which the robust loss multiplies the square of a residual.
+  /// Factor of the robust loss on the square of a residual.
   double Weight(std::size_t residual) const;
 
   /// The residuals of one view, and their number.
@@ -62,9 +62,9 @@ public:
   std::vector<std::unique_ptr<ViewEvaluator>> Views;
   /// Ceres' parameter block: the free parameters over their scales.
   std::vector<double> Block;
-  /// Those of all views follow one after the other.
+  /// Residuals of all views, one view after the other.
   std::vector<double> Residuals;
-  /// Where those of each view begin, and at last their number.
+  /// First residual of each view, then the number of all.
   std::vector<std::size_t> First;
   /// Sizes above which the robust loss is linear; infinite for priors.
   std::vector<double> RobustWidths;

@@ -58,17 +58,17 @@ public:
     std::vector<std::vector<double>> Columns;
   };
 
-  /// Of each projection outline, then intensity; at the end one prior per parameter (0 where it has
-  /// none).
+  /// Order of the residuals: outline, then intensity of each projection; at the end one prior per
+  /// parameter (0 if it has none).
   std::size_t NumberOfResiduals() const;
   std::size_t NumberOfPriors() const { return this->Parameters.size(); }
-  /// What is compared of each projection.
+  /// The residuals of one projection without the priors.
   const PictureResiduals& Picture(std::size_t projection) const
   {
     return *this->Compared[projection];
   }
   std::size_t NumberOfProjections() const { return this->Compared.size(); }
-  /// Beyond which size each residual counts linearly; infinite of priors.
+  /// Size above which the cost of each residual is linear; infinite for priors.
   std::vector<double> RobustWidths() const;
 
   /// The breast seen from where a projection was taken.

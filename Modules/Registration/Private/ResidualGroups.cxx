@@ -10,11 +10,11 @@ namespace mammoray
 namespace
 {
 /**
- * What mechanics and pictures of another mesh and other elements are apart by at least where they
- * should agree: outlines 0.25 mm, alike over 30 mm, pictures a tenth of what is compared (root mean
- * square) over 14 mm (medians of twins). A target that happens to be made like the model tells no
- * more: a ball compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of
- * the deviations that its small residuals gave.
+ * Smallest misfit between models of one breast that differ in mesh and elements: outlines 0.25 mm,
+ * correlated over 30 mm; pictures a tenth of the root mean square of the compared features, over
+ * 14 mm (medians of twins). A target that happens to be made like the model is no better known: a
+ * ball compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of the
+ * deviations that its small residuals gave.
  */
 constexpr double LeastOutlineCovariance = 2.0;
 constexpr double LeastPictureCovariance = 2.0;

@@ -18,7 +18,7 @@ namespace mammoray
 struct MAMMORAYREGISTRATION_EXPORT ResidualGroups
 {
   std::vector<ResidualGroup> Groups;
-  /// Where each begins among all residuals, and the number of its view.
+  /// First residual of each group, and the number of its view.
   std::vector<Eigen::Index> First;
   std::vector<std::size_t> View;
   /// Factors that multiply each group's residuals in the search.
@@ -33,8 +33,8 @@ struct MAMMORAYREGISTRATION_EXPORT ResidualGroups
   void WeighByVariances(RegistrationEvaluator& evaluator);
 };
 
-/// Where the evaluator stands, by its Jacobian there; nothing where that does not tell all of the
-/// free parameters, or the user has stopped it.
+/// Compares the groups at the evaluator's current point; nothing if the Jacobian there does not
+/// determine all free parameters, or if the user has stopped the search.
 MAMMORAYREGISTRATION_EXPORT std::optional<ResidualGroups> CompareGroups(
   RegistrationEvaluator& evaluator);
 }

@@ -112,15 +112,15 @@ constexpr double EdgeSigmaMm = 0.4;
 constexpr double DisplacementMm = 0.4;
 constexpr double DisplacementAlikeMm = 30;
 
-/// What tissue at the plates is displaced by otherwise than at the other, as an angle, degrees: it
-/// looks like the unit's roll or pitch.
+/// Difference between the displacements of tissue at the two plates, as an angle, degrees. It looks
+/// like a roll or pitch of the unit.
 double ShearDeg(double thicknessMm)
 {
   const double alike = std::exp(-thicknessMm / DisplacementAlikeMm);
   return std::sqrt(2 * (1 - alike)) * DisplacementMm / thicknessMm * 180 / std::numbers::pi;
 }
 
-/// Of what that displacement does to the sum of the search's weighted residuals.
+/// Covariance of the sum of the weighted residuals that this displacement causes.
 Eigen::MatrixXd DisplacementCovariance(RegistrationEvaluator& evaluator,
   const ResidualGroups& compared, Eigen::Index count)
 {
@@ -168,7 +168,7 @@ Eigen::MatrixXd DisplacementCovariance(RegistrationEvaluator& evaluator,
 WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ResidualGroups& compared)
 {
   std::vector<double> weights;
-  // Of a mammogram's projections the same.
+  // One sum for each view: its projections share the shift.
   std::vector<Eigen::VectorXd> pulls(compared.View.back() + 1,
     Eigen::VectorXd::Zero(compared.Priors.rows()));
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)

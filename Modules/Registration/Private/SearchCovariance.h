@@ -9,7 +9,8 @@
 
 namespace mammoray
 {
-/// Of the unknowns over their scales, where the evaluator stands and its groups were compared.
+/// Covariance of the free parameters over their scales, where the evaluator stands and its groups
+/// were compared.
 MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator,
   const ResidualGroups& compared);
 

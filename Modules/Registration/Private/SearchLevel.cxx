@@ -18,7 +18,7 @@ namespace mammoray
 {
 namespace
 {
-/// Ceres tells what it dislikes by glog, which prints it; its summary says the same.
+/// Silences glog, through which Ceres prints what its summary states as well.
 class QuietGlog
 {
 public:
@@ -141,8 +141,8 @@ public:
                                                       : ceres::SOLVER_CONTINUE;
   }
 
-  /// Whether the best state is as near to the bottom as is wanted: as a whole, each of the
-  /// parameters as far off as one may be.
+  /// True if the best state is near enough to the minimum: the sum over all parameters may be as
+  /// large as if each were off by the permitted amount.
   bool Settled() const
   {
     return this->Left <
@@ -192,8 +192,8 @@ ceres::Solver::Options SolverOptions()
   options.update_state_every_iteration = true;
   options.initial_trust_region_radius = 1e2;
   options.max_num_consecutive_invalid_steps = 10;
-  // Of a step that does not help a shorter one is tried: Ceres' own search along it, meant for
-  // bounds, spends an equilibrium on each of many dents of the cost.
+  // After an unsuccessful step, a shorter one is tried. Ceres' line search for bounds would spend
+  // an equilibrium on each of many small dents of the cost.
   options.max_num_line_search_step_size_iterations = 0;
   return options;
 }

@@ -14,11 +14,11 @@ enum class LevelEnd
   Reached,
   /// The next level has nothing to go on from.
   Failed,
-  /// By the user.
+  /// The user has stopped the search.
   Stopped
 };
 
-/// What a search compares at one resolution, and when it ends there.
+/// What a search compares at one resolution, and its end criterion.
 struct ResolutionLevel
 {
   double PixelSizeMm = 0;

@@ -78,7 +78,7 @@ struct Reach
   }
 };
 
-/// Of the silhouette, farther than `fromMm` from the chest wall.
+/// Reach of the silhouette farther than `fromMm` from the chest wall.
 Reach ReachOf(PosedBreast& breast, const ReceptorPoint& centre, double fromMm)
 {
   const auto directions = HalfCircleDirections(180);
@@ -96,7 +96,7 @@ Reach ReachOf(PosedBreast& breast, const ReceptorPoint& centre, double fromMm)
   return reach;
 }
 
-/// Of the mammogram's breast.
+/// Reach of the breast in the mammogram.
 Reach ReachOf(const RegistrationTarget& target, double fromMm)
 {
   Reach reach;
@@ -213,7 +213,7 @@ void Align(const SearchedBreast& breast, const RegistrationTarget& target,
 /// Nearer than this, equilibria are one, folded a little otherwise at the plates' edges, mm.
 constexpr double SameEquilibriumMm = 0.1;
 
-/// Of nodes, 3 x nodeCount, mm.
+/// Mean distance of nodes, 3 x nodeCount, mm.
 double MeanDistance(const std::vector<double>& a, const std::vector<double>& b)
 {
   double sum = 0;

@@ -15,7 +15,7 @@ namespace mammoray
 /// each other.
 struct ResidualGroup
 {
-  /// In their own unit, not weighted.
+  /// Residuals in their own unit, not weighted.
   Eigen::VectorXd Residuals;
   /// d Residuals / d unknowns.
   Eigen::MatrixXd Jacobian;
