@@ -14,14 +14,15 @@ namespace mammoray
 {
 namespace
 {
-/// Beyond any that there are, and within what sums, squares and the device's numbers hold.
+/// Limits beyond all real values, within which sums, squares and the device's floats do not
+/// overflow.
 constexpr double LeastPhotons = 1e-100;
 constexpr double MostPhotons = 1e100;
 constexpr double MostKeV = 1e12;
 constexpr double MostEfficiency = 1e12;
 constexpr double MostPerMm = 1e12;
 
-/// Throws unless the energies are positive, ascending and not beyond any.
+/// Throws InputError unless the energies are positive, ascending and within these limits.
 void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   const std::string& what)
 {
@@ -41,7 +42,7 @@ void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   }
 }
 
-/// Fewer pixels than this do not pay for a thread.
+/// Smallest number of pixels per thread.
 constexpr std::size_t PixelsPerThread = 8192;
 
 constexpr std::size_t BlockSize = 256;
@@ -81,19 +82,19 @@ void AddEnergy(const double* lengths, std::size_t materialCount, const double* m
   }
 }
 
-/// Pixels that see material, gathered until there are enough for the loops above.
+/// Pixels with material, collected in blocks for the loops above.
 struct Block
 {
   static constexpr std::size_t Size = BlockSize;
 
-  /// Has room for that many materials besides air.
+  /// `materialCount`: without air.
   explicit Block(int materialCount)
     : Materials(static_cast<std::size_t>(std::max(materialCount, 1)))
     , Lengths(this->Materials * Size, 0.0)
   {
   }
 
-  /// Takes the pixel unless all of its lengths are 0.
+  /// Adds the pixel unless all of its lengths are 0.
   void Add(const PathLengthImage& image, std::size_t pixel)
   {
     bool empty = true;

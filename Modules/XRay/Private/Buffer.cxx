@@ -11,7 +11,7 @@ namespace mammoray
 {
 namespace
 {
-/// The types of memory that will do, best first.
+/// Suitable memory types, best first.
 std::vector<std::uint32_t> MemoryTypes(const VulkanDevice& device, std::uint32_t typeBits,
   MemoryUse use)
 {
@@ -56,7 +56,8 @@ struct Allocation
   std::uint32_t Type = 0;
 };
 
-/// Of the best type that has room: many devices show the host no more than 256 MiB of their own.
+/// Allocates from the best type that has room: many devices let the host access only 256 MiB of
+/// theirs.
 Allocation Allocate(const VulkanDevice& device, const vk::MemoryRequirements& requirements,
   MemoryUse use, bool addressed)
 {
@@ -82,8 +83,8 @@ Allocation Allocate(const VulkanDevice& device, const vk::MemoryRequirements& re
   return allocate(types.back());
 }
 
-/// Counts memory of the software device until the last share is gone. Throws DeviceError where the
-/// limit on the size of files leaves too little.
+/// Counts memory of the software device until the share is destroyed. Throws DeviceError if the
+/// limit on file sizes leaves too little.
 std::shared_ptr<void> ShareOfMemory(vk::DeviceSize bytes)
 {
   static std::atomic<vk::DeviceSize> all = 0;
@@ -93,7 +94,7 @@ std::shared_ptr<void> ShareOfMemory(vk::DeviceSize bytes)
   return share;
 }
 
-/// Whether the host is to work in memory of such a type.
+/// True if the host maps memory of this type.
 bool IsMapped(const VulkanDevice& device, vk::MemoryPropertyFlags type, MemoryUse use)
 {
   using Flag = vk::MemoryPropertyFlagBits;

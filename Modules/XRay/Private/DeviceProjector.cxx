@@ -16,7 +16,7 @@ namespace
 {
 using Usage = vk::BufferUsageFlagBits;
 
-/// Path lengths of an image, 4 GiB: more is a slip of the keyboard.
+/// Largest number of path lengths of an image; they take 4 GiB.
 constexpr std::uint64_t MostLengths = 1u << 30;
 constexpr std::uint64_t MostWorkBytes = 256u << 20;
 }

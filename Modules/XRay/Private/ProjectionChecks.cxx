@@ -13,17 +13,17 @@ namespace mammoray
 {
 namespace
 {
-/// Checked by one core in a tenth of a millisecond.
+/// Number of values that one core checks in a tenth of a millisecond.
 constexpr std::size_t ValuesAtOnce = 1u << 17;
 
-/// Beyond these a double no longer tells a pixel from its neighbour, and the device's numbers end.
+/// Beyond these, doubles do not distinguish neighbouring pixels and the device's floats overflow.
 constexpr double MostMm = 1e12;
 constexpr double LeastStepMm = 1e-9;
-/// Of a direction, whose square is computed.
+/// Bounds of a direction's length, whose square is computed.
 constexpr double LeastLength = 1e-100;
 constexpr double MostLength = 1e100;
 
-/// Whether all coordinates, in mm, can be computed with; no NaN is.
+/// True if all coordinates (mm) are in the usable range; false for NaN.
 bool IsWithinReach(const Vector3& vector)
 {
   return std::abs(vector[0]) <= MostMm && std::abs(vector[1]) <= MostMm &&
@@ -118,7 +118,7 @@ void CheckVelocities(const VectorFields& fields, std::size_t pointCount)
       " points in at least one field, 3 values each, found " + std::to_string(velocities.size()) +
       " values in fields of " + std::to_string(fields.Length));
   }
-  // Of all that are too fast, or no numbers, the first is told.
+  // The error names the first value that is too large or NaN.
   ParallelRanges(velocities.size(), ValuesAtOnce,
     [&](std::size_t begin, std::size_t end)
     {

@@ -30,20 +30,20 @@ namespace
 {
 using Usage = vk::BufferUsageFlagBits;
 
-/// Entries of the list of tiles at first; it grows with need.
+/// Initial capacity of the list of tiles.
 constexpr std::uint32_t FirstTileCapacity = 1u << 16;
-/// Workgroups that share the list of tiles: plenty for large devices, few for a CPU.
+/// Number of workgroups that share the list of tiles: enough for large devices, few for a CPU.
 constexpr std::uint32_t TileGroups = 1024;
-/// Rows of samples in work: what every device takes as a count of workgroups.
+/// Largest number of rows of samples: the number of workgroups that every device supports.
 constexpr int MostRowsAtOnce = 65535;
-/// Columns or rows of samples: tiles are numbered with 16 bits.
+/// Largest number of columns or rows of samples: tile indices have 16 bits.
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
 /// A ray is traced once, and again at most four times where its crossings do not cancel.
 constexpr int MostAttempts = 5;
 static_assert(MostFieldsPerPass == MAMMORAY_RASTER_FIELDS);
 
-/// Where an attempt tests for hits, pixels: at first in place, then up to a tenth beside, each
-/// time in another direction (by the golden angle, so that none is along rows or columns).
+/// Offset of the rays of an attempt, pixels: first 0, then up to a tenth, each time in another
+/// direction (by the golden angle, so that none is along rows or columns).
 std::pair<double, double> AttemptOffset(int attempt)
 {
   if (attempt == 0)
@@ -167,9 +167,9 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   const auto rowOf = coordinate((1 / determinant) * Cross(w, u), 1);
   const Vector3 depthOf = (1 / determinant) * Cross(u, v);
   const auto weightOf = isPoint ? coordinate(depthOf, extent) : std::array<double, 4>{ 0, 0, 0, 1 };
-  // Rays are tested a little beside, so that those of a symmetric set-up which are meant to run
-  // through a corner do not see its triangles as rounding would have them. Their distances stay
-  // exact. In single precision there is no room for more than the rounding itself.
+  // The hit test offsets all rays slightly. Otherwise rounding would decide about rays that run
+  // through corners, as in symmetric scenes. Distances stay those of the exact rays. In single
+  // precision the offset is no larger than the rounding itself.
   const double rounding = std::numeric_limits<Real>::epsilon() * largest;
   const double beside = (sizeof(Real) == sizeof(double) ? 1000 : 1) * rounding;
   const auto [columnOffset, rowOffset] = AttemptOffset(work.Attempt);

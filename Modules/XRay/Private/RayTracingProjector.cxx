@@ -21,9 +21,9 @@ namespace
 {
 using Usage = vk::BufferUsageFlagBits;
 
-/// A ray is traced once, and again at most four times where its first result cannot be trusted.
+/// A ray is traced at most five times, until its result is consistent.
 constexpr std::uint32_t MostTraces = 5;
-/// Rates (fields by materials) that a ray carries.
+/// Largest number of rates (fields x materials) in the payload of a ray.
 constexpr std::uint32_t MostRates = 128;
 
 std::uint32_t TileCount(int pixels, int tile)
@@ -31,7 +31,7 @@ std::uint32_t TileCount(int pixels, int tile)
   return static_cast<std::uint32_t>((pixels + tile - 1) / tile);
 }
 
-/// What buffers are used for that acceleration structures are built from.
+/// Usage of the buffers that acceleration structures are built from.
 constexpr vk::BufferUsageFlags BuildInput = Usage::eStorageBuffer | Usage::eShaderDeviceAddress |
   Usage::eAccelerationStructureBuildInputReadOnlyKHR;
 }

@@ -12,9 +12,9 @@ namespace mammoray
 {
 /**
  * An order of the triangles in which neighbours in space are neighbours in memory: the box around
- * their middles is halved along its longest side, again and again. Some drivers (Mesa's lavapipe)
- * build their tree in the order given: a mesh of a breast with 193,388 triangles in a mesher's
- * order took 40 times as long.
+ * their centres is halved recursively along its longest side. Some drivers (Mesa's lavapipe) build
+ * their tree in the given order; a breast of 193,388 triangles in the order of a mesher took 40
+ * times as long to trace.
  */
 MAMMORAYXRAY_EXPORT std::vector<std::uint32_t> SpatialOrder(const SurfaceMesh& surface);
 }
