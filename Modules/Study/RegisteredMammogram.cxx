@@ -16,21 +16,13 @@ namespace mammoray
 {
 namespace
 {
-/// The header of the registered pose. Directions of the patient do not depend on the volume's
-/// frame, so any will do.
+/// The header of the registered pose.
 Mammogram DescribeRegistration(const ResultFile& result, char laterality)
 {
-  // Shifts and the paddle's tilt say nothing of directions.
-  const BreastPose pose{ .ThicknessMm = result.Pose.ThicknessMm,
-    .RollDeg = result.Pose.RollDeg,
-    .PitchDeg = result.Pose.PitchDeg,
-    .YawDeg = result.Pose.YawDeg };
   const MammographyUnit& unit = result.Unit;
-  const AnatomicalAxes axes;
-  const VolumeFromGantry gantry = PlaceUnit(axes, { 0, 0, 0 }, unit, pose);
-  Mammogram mammogram = DescribeProjection(SourceOf(gantry, unit),
-    DetectorOf(gantry, result.Grid, 1), axes, laterality);
-  mammogram.BodyPartThicknessMm = pose.ThicknessMm;
+  Mammogram mammogram = DescribeProjection(SourceOf(result.Placed, unit),
+    DetectorOf(result.Placed, result.Grid, 1), result.Axes, laterality);
+  mammogram.BodyPartThicknessMm = result.Pose.ThicknessMm;
   mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
   return mammogram;
 }

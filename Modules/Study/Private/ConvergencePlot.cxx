@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace mammoray
 {
@@ -74,22 +76,30 @@ PlotAxes AxesOf(const std::vector<RegistrationIteration>& iterations)
   return axes;
 }
 
-/// ` name="value"` of an SVG element.
-std::string Attribute(const char* name, double value)
+/// The begin of an SVG element with attributes that are numbers.
+std::string Begin(const char* element,
+  const std::vector<std::pair<const char*, double>>& attributes)
 {
-  return std::string(" ") + name + "=\"" + NumberText(value) + "\"";
+  std::string svg = element;
+  for (const auto& [name, value] : attributes)
+  {
+    svg += name;
+    svg += "=\"";
+    svg += NumberText(value);
+    svg += "\" ";
+  }
+  return svg;
 }
 
 std::string LineSvg(double x1, double x2, double y, const std::string& style)
 {
-  return "<line" + Attribute("x1", x1) + Attribute("x2", x2) + Attribute("y1", y) +
-    Attribute("y2", y) + " " + style + "/>\n";
+  return Begin("<line ", { { "x1", x1 }, { "x2", x2 }, { "y1", y }, { "y2", y } }) + style + "/>\n";
 }
 
 std::string TextSvg(double x, double y, const char* anchor, const std::string& text)
 {
-  return "<text" + Attribute("x", x) + Attribute("y", y) + " text-anchor=\"" + anchor + "\">" +
-    text + "</text>\n";
+  return Begin("<text ", { { "x", x }, { "y", y } }) + "text-anchor=\"" + anchor + "\">" + text +
+    "</text>\n";
 }
 
 std::string AxesSvg(const PlotAxes& axes)
@@ -126,7 +136,7 @@ std::string CurveSvg(const Curve& curve, const std::vector<RegistrationIteration
       const double x = axes.X(iteration.Number);
       const double y = axes.Y(value);
       points += NumberText(x) + "," + NumberText(y) + " ";
-      dots += "<circle" + Attribute("cx", x) + Attribute("cy", y) + " r=\"3\"/>\n";
+      dots += Begin("<circle ", { { "cx", x }, { "cy", y }, { "r", 3 } }) + "/>\n";
     }
   }
   const std::string color = std::string("\"") + curve.Color + "\"";
@@ -139,9 +149,9 @@ std::string CurveSvg(const Curve& curve, const std::vector<RegistrationIteration
 
 std::string ConvergencePlot(const std::vector<RegistrationIteration>& iterations)
 {
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 960 320\"" +
-    Attribute("width", Width) + Attribute("height", Height) +
-    " font-family=\"system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif\" "
+  std::string svg = Begin("<svg ", { { "width", Width }, { "height", Height } }) +
+    "viewBox=\"0 0 960 320\" xmlns=\"http://www.w3.org/2000/svg\" "
+    "font-family=\"system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif\" "
     "font-size=\"12\" role=\"img\" aria-label=\"Cost by iteration\">\n"
     "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   const PlotAxes axes = AxesOf(iterations);

@@ -31,6 +31,12 @@ std::string Tenths(double value)
   return NumberText(0.1 * std::round(10 * value));
 }
 
+/// A step of an SVG path to a place, rows counted downwards.
+std::string Step(char command, double x, double y)
+{
+  return command + Tenths(x) + " " + Tenths(y);
+}
+
 std::string HexColor(const PictureColor& color)
 {
   char text[8];
@@ -254,7 +260,7 @@ void SvgLines::Path(const PictureLine& points, bool closed, const PictureColor& 
     {
       continue;
     }
-    data += (last ? "L" : "M") + Tenths(point.X) + " " + Tenths(this->Height - point.Y);
+    data += Step(last ? 'L' : 'M', point.X, this->Height - point.Y);
     last = &point;
   }
   if (!data.empty())
@@ -272,8 +278,8 @@ void SvgLines::Cross(const PicturePoint& at, const std::string& name, double sca
   for (const auto& [right, down] :
     { std::array{ 1.0, 0.0 }, { -1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } })
   {
-    data += "M" + Tenths(at.X + inner * right) + " " + Tenths(y + inner * down) + "L" +
-      Tenths(at.X + size * right) + " " + Tenths(y + size * down);
+    data += Step('M', at.X + inner * right, y + inner * down) +
+      Step('L', at.X + size * right, y + size * down);
   }
   this->AddPath(data, MarkColor);
   if (!name.empty())
