@@ -10,22 +10,23 @@ namespace mammoray
 {
 namespace
 {
-using Kind = SceneQuantity::Kind;
+using QuantityKind = SceneQuantity::Kind;
 
-bool IsNumeric(Kind kind)
+bool IsNumeric(QuantityKind kind)
 {
-  return kind == Kind::Number || kind == Kind::Length || kind == Kind::WholeNumber;
+  return kind == QuantityKind::Number || kind == QuantityKind::Length ||
+    kind == QuantityKind::WholeNumber;
 }
 
 /// What help shows in place of a type.
 std::string TypeName(const SceneQuantity& quantity)
 {
-  return quantity.Type == Kind::File     ? FileTypeName
-    : quantity.Type == Kind::FileOrName  ? InputTypeName
-    : !quantity.Unit.empty()             ? quantity.Unit
-    : quantity.Type == Kind::WholeNumber ? "INT"
-    : quantity.Type == Kind::Number      ? "FLOAT"
-                                         : "TEXT";
+  return quantity.Type == QuantityKind::File     ? FileTypeName
+    : quantity.Type == QuantityKind::FileOrName  ? InputTypeName
+    : !quantity.Unit.empty()                     ? quantity.Unit
+    : quantity.Type == QuantityKind::WholeNumber ? "INT"
+    : quantity.Type == QuantityKind::Number      ? "FLOAT"
+                                                 : "TEXT";
 }
 
 std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
@@ -68,7 +69,7 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   const Shown shown =
     quantity.IsSet == SceneQuantity::Use::Daily ? Shown::InHelp : Shown::InHelpAll;
   Command& command = add.App();
-  if (quantity.Type == Kind::Flag)
+  if (quantity.Type == QuantityKind::Flag)
   {
     add.Keep({ command.add_flag_callback(
                  OptionOf(quantity), [take]() { take({ "true" }); }, quantity.Help),
@@ -87,19 +88,19 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   {
     option->expected(static_cast<int>(quantity.Count));
   }
-  if (quantity.Type == Kind::Word)
+  if (quantity.Type == QuantityKind::Word)
   {
     option->check(OneOfWords(quantity.Words));
   }
-  else if (quantity.Type == Kind::File || quantity.Type == Kind::FileOrName)
+  else if (quantity.Type == QuantityKind::File || quantity.Type == QuantityKind::FileOrName)
   {
-    option->check(FileOrFolder(quantity.Type == Kind::File));
+    option->check(FileOrFolder(quantity.Type == QuantityKind::File));
   }
   const Quantity numbers = IsNumeric(quantity.Type) && quantity.Count == 1
     ? Between(quantity.Least, quantity.Most, quantity.Unit.c_str())
     : Quantity("");
-  const bool isWhole = quantity.Type == Kind::WholeNumber;
-  const bool isNumber = quantity.Type == Kind::Component || IsNumeric(quantity.Type);
+  const bool isWhole = quantity.Type == QuantityKind::WholeNumber;
+  const bool isNumber = quantity.Type == QuantityKind::Component || IsNumeric(quantity.Type);
   if (isNumber)
   {
     option->check(isWhole ? NumberIn<int>(numbers) : NumberIn<double>(numbers));

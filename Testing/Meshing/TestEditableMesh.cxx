@@ -10,7 +10,7 @@ namespace
 {
 using namespace mammoray;
 
-double VolumeOf(const TetrahedralMesh& mesh, int material)
+double VolumeOfMaterial(const TetrahedralMesh& mesh, int material)
 {
   double volume = 0;
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
@@ -58,8 +58,8 @@ TEST(EditableMesh, SplittingAnEdgeKeepsSpaceAndMaterials)
   const TetrahedralMesh split = editable.Finish();
   EXPECT_NO_THROW(split.Validate("split"));
   EXPECT_EQ(split.NumberOfCells(), mesh.NumberOfCells() + around);
-  EXPECT_NEAR(VolumeOf(split, 1), 4, 1e-13);
-  EXPECT_NEAR(VolumeOf(split, 2), 4, 1e-13);
+  EXPECT_NEAR(VolumeOfMaterial(split, 1), 4, 1e-13);
+  EXPECT_NEAR(VolumeOfMaterial(split, 2), 4, 1e-13);
 }
 
 TEST(EditableMesh, RemovedCellsComeBackAndAirIsLeftOut)
@@ -88,7 +88,7 @@ TEST(EditableMesh, RemovedCellsComeBackAndAirIsLeftOut)
   }
   const TetrahedralMesh half = editable.Finish();
   EXPECT_NO_THROW(half.Validate("half"));
-  EXPECT_NEAR(VolumeOf(half, 1), 4, 1e-13);
+  EXPECT_NEAR(VolumeOfMaterial(half, 1), 4, 1e-13);
   EXPECT_EQ(half.NumberOfPoints(), 18u); // 3 x 3 x 2
 }
 
