@@ -141,6 +141,6 @@ TEST(StudyCase, IsToldInTheReport)
     Contains(Pair("Mammogram: right CC, For Presentation", "left out: the right breast")));
   EXPECT_THAT(section.Rows, Contains(Pair("Patient in the MRI", "prone")));
   EXPECT_THAT(section.Rows, Contains(Pair("Breast in the MRI", "134 cm3")));
-  EXPECT_THAT(section.Picture, StartsWith("\x89PNG"));
+  EXPECT_THAT(section.Picture.Png, StartsWith("\x89PNG"));
   EXPECT_THAT(section.Notes, Contains("The gland is dark."));
 }
