@@ -109,7 +109,7 @@ struct DicomHeader : SlicePlace
   /// Meanings of the view modifier codes, e.g. "Magnification".
   std::vector<std::string> ViewModifiers;
   char Laterality = '?';
-  /// Patient directions of rows and columns as in the header ("A\R"). Empty if unknown.
+  /// Patient directions of rows and of columns in the form of the header ("A\R"). Empty if unknown.
   std::string PatientOrientation;
   Mammogram::Intent PresentationIntent = Mammogram::Intent::ForPresentation;
   std::optional<double> BodyPartThicknessMm;
