@@ -25,18 +25,6 @@ using testing::Not;
 
 namespace
 {
-/// What was made of each.
-template <typename T>
-std::vector<std::string> ReasonsOf(const std::vector<T>& entries)
-{
-  std::vector<std::string> reasons;
-  for (const T& entry : entries)
-  {
-    reasons.push_back(entry.Reason);
-  }
-  return reasons;
-}
-
 std::string StudyRefusal(const MadeUpStudy& files, std::optional<char> side = {})
 {
   return RefusalOf([&] { ChooseForRegistration(ReadStudy(files.Folder()), side).Require(); });

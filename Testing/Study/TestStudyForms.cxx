@@ -17,18 +17,6 @@ using testing::HasSubstr;
 
 namespace
 {
-/// What was made of each.
-template <typename T>
-std::vector<std::string> ReasonsOf(const std::vector<T>& entries)
-{
-  std::vector<std::string> reasons;
-  for (const T& entry : entries)
-  {
-    reasons.push_back(entry.Reason);
-  }
-  return reasons;
-}
-
 /// Thirty axial slices, 3 mm apart, of each phase.
 MadeUpObject Dynamic(int phases)
 {

@@ -18,6 +18,18 @@
 
 namespace mammoray::test
 {
+/// The Reason of each series or mammogram.
+template <typename T>
+std::vector<std::string> ReasonsOf(const std::vector<T>& entries)
+{
+  std::vector<std::string> reasons;
+  for (const T& entry : entries)
+  {
+    reasons.push_back(entry.Reason);
+  }
+  return reasons;
+}
+
 /// Elements of a header by group and number: their representation and value.
 class MadeUpHeader
 {
