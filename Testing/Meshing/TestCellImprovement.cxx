@@ -27,7 +27,7 @@ TetrahedralMesh Ring(int count, int first, double height)
   return mesh;
 }
 
-double VolumeOf(const TetrahedralMesh& mesh, int material)
+double MaterialVolume(const TetrahedralMesh& mesh, int material)
 {
   double volume = 0;
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
@@ -53,7 +53,7 @@ TEST(CellImprovement, FillsTheRingOfAShortEdgeAnew)
   const TetrahedralMesh improved = Improved(mesh);
   EXPECT_EQ(improved.NumberOfCells(), 8u); // two on each of four triangles
   EXPECT_EQ(improved.NumberOfPoints(), 8u);
-  EXPECT_NEAR(VolumeOf(improved, 1), VolumeOf(mesh, 1), 1e-14);
+  EXPECT_NEAR(MaterialVolume(improved, 1), MaterialVolume(mesh, 1), 1e-14);
   const auto worst = [](const TetrahedralMesh& of)
   {
     double quality = 1;
@@ -75,7 +75,8 @@ TEST(CellImprovement, KeepsEveryMaterialItsVolume)
     const TetrahedralMesh improved = Improved(mesh);
     for (const int material : { 1, 2 })
     {
-      EXPECT_NEAR(VolumeOf(improved, material), VolumeOf(mesh, material), 1e-14) << first;
+      EXPECT_NEAR(MaterialVolume(improved, material), MaterialVolume(mesh, material), 1e-14)
+        << first;
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ChestWall.h"
 
+#include "Private/Masks.h"
 #include "Private/Plate.h"
 #include "Private/Thresholds.h"
 
