@@ -162,7 +162,8 @@ Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneDescrip
   {
     SetQuantity(ToSetting(text, "--high", "beam."), high);
   }
-  if (high.Has("beam.kvp") && !high.Has("beam.tube"))
+  const bool hasOther = high.Has("beam.kev") || high.Has("beam.spectrum");
+  if (high.Has("beam.kvp") && !high.Has("beam.tube") && !hasOther)
   {
     if (low.Tube.Anode.empty())
     {
@@ -171,7 +172,7 @@ Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneDescrip
     SetQuantity({ "--high kvp", "beam.tube", { low.Tube.Anode } }, high);
   }
   high.Validate();
-  if (!high.Has("beam.kev") && !high.Has("beam.spectrum") && !high.Has("beam.tube"))
+  if (!hasOther && !high.Has("beam.tube"))
   {
     throw InputError("--high: expected a kvp, kev or spectrum, found none");
   }
