@@ -16,7 +16,6 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 from pipeline import TABLE, cells, field, half_ball_labels, image, points
 
 FREE = ["thickness", "lateral", "anterior"]
-EDGE_RADIUS = 3.0  # that of the compression: the ball is too small for the wider edges of a search
 POSE = {"thickness": "48", "lateral": "3", "anterior": "4"}
 
 if not mammoray.devices():
@@ -62,7 +61,7 @@ def arrays(grid):
 def registered(breast, simulation, mammogram, table):
     """Parameters, trust and expected error of the filter, and its output."""
     registration = mammoray.vtkBreastRegistration(MaterialTable=str(table), Orientation="ALS", FreeParameters=" ".join(FREE),
-                                                  EdgeRadiusMm=EDGE_RADIUS, AcceptUnusual=True)
+                                                  AcceptUnusual=True)
     registration.SetInputData(0, breast)
     reader = mammoray.vtkMammogramReader(FileName=str(mammogram))
     registration.SetMammogramConnection(reader.GetOutputPort())
@@ -81,7 +80,6 @@ with tempfile.TemporaryDirectory() as name:
     table = folder / "table.json"
     table.write_text(TABLE)
     write_labels(folder / "labels.nrrd")
-    (folder / "case.json").write_text(json.dumps({"edge-radius": EDGE_RADIUS}))
     anatomy = meshed(table, CellSizeMm=8)
     coarse = meshed(table, ForMechanics=True, CellSizeMm=11)
     write_grid(anatomy, folder / "anatomy.vtu")
@@ -96,7 +94,7 @@ with tempfile.TemporaryDirectory() as name:
         "--columns", "90", "--rows", "180", "--spectrum", "W30kVp_Rh50um_Be1mm", "-o", mammogram)
 
     run("register", "--labels", folder / "labels.nrrd", *given, "--mammogram", mammogram, "--simulation-mesh", folder / "coarse.vtu",
-        "--free", *FREE, "--accept-unusual", "--config", folder / "case.json", "-o", folder / "result")
+        "--free", *FREE, "--accept-unusual", "-o", folder / "result")
     told = json.loads((folder / "result" / "result.json").read_text())
     parameters, deviations, trust, reasons, expected, _ = registered(image(labels, origin, 2.0), coarse, mammogram, table)
     assert parameters == {entry["name"]: entry["value"] for entry in told["parameters"]}, (parameters, told["parameters"])
@@ -106,7 +104,7 @@ with tempfile.TemporaryDirectory() as name:
 
     parameters, deviations, trust, reasons, expected, output = registered(anatomy, coarse, mammogram, table)
     found = mammoray.register(*arrays(anatomy), mammogram, materials=str(table), orientation="ALS", free=FREE,
-                              edge_radius=EDGE_RADIUS, simulation_mesh=arrays(coarse))
+                              simulation_mesh=arrays(coarse))
     assert found.parameters == parameters, (found.parameters, parameters)
     assert {free: found.deviations[free] for free in FREE} == {free: deviations[free] for free in FREE}
     assert (found.points == points(output)).all()
