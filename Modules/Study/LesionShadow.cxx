@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/LesionShadow.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/ContourLines.h"
 #include "mammoray/XRay/LabelSurface.h"
