@@ -104,6 +104,27 @@ xray.Scatter, xray.Grid, xray.PhotonsPerPixel = 0, [0, 31, 65], 0
 low = numpy.array(picture.GetBounds()[::2])
 assert low[2] < -25, "below the support, in place"
 
+# A scene from its file: a water ball of 10 mm in parallel rays of 20 keV, its chord by Euclid.
+ball = vtk.vtkSphereSource()
+ball.SetRadius(10)
+ball.SetThetaResolution(200)
+ball.SetPhiResolution(200)
+writer = vtk.vtkSTLWriter()
+writer.SetInputConnection(ball.GetOutputPort())
+writer.SetFileName(os.path.join(folder, "ball.stl"))
+assert writer.Write() == 1
+with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:
+    json.dump({"samples": [{"file": "ball.stl", "material": "H2O@1"}], "beam": {"kev": 20},
+               "source": {"beam-direction": [0, 0, -1]},
+               "detector": {"origin": [-15, 0, -50], "column-direction": [1, 0, 0], "row-direction": [0, 1, 0], "columns": 31, "rows": 1,
+                            "pixel-spacing": 1}}, file)
+scene = simple.XrayofaScene(SceneFile=os.path.join(folder, "scene.json"))
+scene.UpdatePipeline()
+chords = vtk_to_numpy(simple.servermanager.Fetch(scene).GetPointData().GetArray("PathLength_H2O@1"))
+exact = 2 * numpy.sqrt(numpy.maximum(0, 100 - numpy.arange(-15, 16) ** 2.0))
+inside = numpy.abs(numpy.arange(-15, 16)) < 9
+assert numpy.abs(chords - exact)[inside].max() < 0.005, "the ball's triangles lie up to 0.0013 mm inside it"
+
 # A result as 'mammoray register' writes it, made of the above; its series.
 result = os.path.join(folder, "result")
 os.makedirs(result, exist_ok=True)

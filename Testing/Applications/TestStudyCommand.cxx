@@ -33,9 +33,13 @@ TEST_F(StudyCommand, AnExportTakesThePlaceOfLabelsAndMammograms)
   const std::string output = " -o " + this->Folder.File("result");
   EXPECT_EQ(this->Run("register" + output), 2);
   EXPECT_THAT(this->Errors, HasSubstr("--study, or --labels, --materials and --mammogram"));
-  EXPECT_EQ(this->Run("register --labels a.nrrd --mammogram b.dcm" + output), 2);
-  EXPECT_EQ(this->Run("register --study a --labels b.nrrd" + output), 2);
-  EXPECT_EQ(this->Run("register --study a --mammogram b.dcm" + output), 2);
+  const std::string labels = " --labels " + this->Folder.File("a.nrrd");
+  const std::string mammogram = " --mammogram " + this->Folder.File("b.dcm");
+  std::ofstream(this->Folder.File("a.nrrd")) << "labels";
+  std::ofstream(this->Folder.File("b.dcm")) << "pixels";
+  EXPECT_EQ(this->Run("register" + labels + mammogram + output), 2);
+  EXPECT_EQ(this->Run("register --study a" + labels + output), 2);
+  EXPECT_EQ(this->Run("register --study a" + mammogram + output), 2);
   EXPECT_EQ(this->Run("register --study a --side up" + output), 2);
   this->ExpectRefused("register --study nowhere" + output, "found nothing there");
   fs::create_directory(this->Folder.File("empty"));

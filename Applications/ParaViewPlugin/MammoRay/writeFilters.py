@@ -71,10 +71,18 @@ def shipped(name, default, pattern, label, help, *, empty=None):
         add(entry, "Documentation", f"{help}; one of your own: {label} File." + (f" Empty: {empty}." if empty else ""))
         add(add(entry, "Hints"), "NoDefault")
         extension = pattern.rpartition(".")[2]
-        entry = add(proxy, "StringVectorProperty", name=name + "File", command=f"Set{name}File", number_of_elements=1, default_values="")
+        chosen(name + "File", extension, label.capitalize(),
+               f"{help} of your own (.{extension}), which goes before {label}. Empty: none.".replace("shipped ", ""))(proxy, data)
+    return make
+
+
+def chosen(name, extension, kind, help):
+    """A file that users choose."""
+    def make(proxy, data):
+        entry = add(proxy, "StringVectorProperty", name=name, command="Set" + name, number_of_elements=1, default_values="")
         add(entry, "FileListDomain", name="files")
-        add(entry, "Documentation", f"{help} of your own (.{extension}), which goes before {label}. Empty: none.".replace("shipped ", ""))
-        add(add(entry, "Hints"), "FileChooser", extensions=extension, file_description=label.capitalize())
+        add(entry, "Documentation", help)
+        add(add(entry, "Hints"), "FileChooser", extensions=extension, file_description=kind)
     return make
 
 
@@ -110,6 +118,8 @@ ORIENTATION = text("Orientation", "LPS",
                    "Directions of the data's +x, +y, +z in the patient: one letter each of L/R, A/P, S/I. LPS: DICOM; ALS: the FDA's phantoms.")
 UNUSUAL = yes_no("AcceptUnusual", "0", "Take what no patient has, such as voxels of 100 mm, too.", advanced=True)
 DEVICE = text("DeviceName", "", "Part of the wanted Vulkan device's name; empty: the most capable one.", advanced=True)
+METHOD = one_of("ProjectionMethod", ("Auto", "Ray tracing", "Rasterisation"), "How path lengths are found. Auto traces rays on hardware that can, else "
+                "rasterises.", advanced=True)
 KERNELS = (
     real("AirGapMm", "17", "Of Scatter: from the back of the tissue to the detector.", range=("0", "200"), only_if=("Scatter", 1)),
     real("Grid", "0 31 65", "Of Scatter: anti-scatter grid of lead before the detector: ratio (0: no grid; else 1 to 30), lines per cm (5 to 200), "
@@ -189,8 +199,7 @@ FILTERS = {
                "Water, Liquid). Geometric: each ray carries its intensity to where it goes; Near field: transport of intensity. Without noise and "
                "scatter; adds the array Deflection."),
         real("BendDistanceMm", "0", "Of Refraction: from the bodies to the detector.", range=("0",), unless=("Refraction", 0)),
-        one_of("ProjectionMethod", ("Auto", "Ray tracing", "Rasterisation"), "How path lengths are found. Auto traces rays on hardware that can, else "
-               "rasterises.", advanced=True),
+        METHOD,
         DEVICE),
     "BreastRegistration": (
         "Breast Registration", "Breast to mammogram",
@@ -217,9 +226,9 @@ FILTERS = {
         UNUSUAL)}
 
 
-def add_proxy(group, name, label, short, long):
+def add_proxy(group, name, label, short, long, kind=None):
     proxy = add(group, "SourceProxy", name=name, label=label)
-    proxy.set("class", "vtk" + name)
+    proxy.set("class", "vtk" + (kind or name))
     add(proxy, "Documentation", long, short_help=short, long_help=short)
     return proxy
 
@@ -233,7 +242,13 @@ def server_manager(data):
         for make in properties:
             make(proxy, data)
         add(add(proxy, "Hints"), "ShowInMenu", category="MammoRay")
-    reader = add_proxy(add(root, "ProxyGroup", name="sources"), "MammogramReader", "Mammogram Reader", "Reads a DICOM mammogram",
+    sources = add(root, "ProxyGroup", name="sources")
+    scene = add_proxy(sources, "SceneProjector", "X-ray of a Scene", "Synthetic X-ray of a scene file",
+                      "X-rays the samples of a scene file as its source, detector and beam say.", "XRayProjector")
+    for make in (chosen("SceneFile", "json", "Scene", "Path of the scene file."), METHOD, DEVICE):
+        make(scene, data)
+    add(add(scene, "Hints"), "ShowInMenu", category="MammoRay")
+    reader = add_proxy(sources, "MammogramReader", "Mammogram Reader", "Reads a DICOM mammogram",
                        "One frame of modality MG; the first row of the picture on top.")
     entry = add(reader, "StringVectorProperty", name="FileName", command="SetFileName", number_of_elements=1, animateable=0, panel_visibility="never")
     add(entry, "FileListDomain", name="files")
