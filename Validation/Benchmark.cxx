@@ -4,6 +4,7 @@
 #include "OutlineBaseline.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/Sha256.h"
@@ -176,8 +177,8 @@ std::string StudyRow(const PlannedStudy& study, const StudyTruth& truth)
   const std::string sequences = std::string(study.Options.Plain ? "plain" : "") +
     (study.Options.Plain && study.Options.FatSuppressed ? " " : "") +
     (study.Options.FatSuppressed ? "fat-suppressed" : "");
-  return NameOf(study) + ',' + study.Phantom + ',' + (truth.Laterality == 'L' ? "left" : "right") +
-    ',' + sequences + ',' + views + '\n';
+  return NameOf(study) + ',' + study.Phantom + ',' + SideName(truth.Laterality) + ',' + sequences +
+    ',' + views + '\n';
 }
 
 /// Checksums of all files, sorted by name, for `sha256sum -c`.

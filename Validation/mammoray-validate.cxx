@@ -7,6 +7,7 @@
 #include "ValidationFile.h"
 #include "ValidationRuns.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
@@ -331,7 +332,7 @@ void MakeOneStudy(Arguments& arguments)
   }
   const StudyTruth truth = MakePlannedStudy(study, arguments.Output, MakeProgressBar());
   std::printf("%s/export: MRI of a prone patient, CC and MLO of the %s breast\n",
-    arguments.Output.c_str(), truth.Laterality == 'L' ? "left" : "right");
+    arguments.Output.c_str(), SideName(truth.Laterality).c_str());
   for (std::size_t index = 1; index < truth.Materials.size(); ++index)
   {
     std::printf("  %-8s %6.2f kPa\n", truth.Materials[index].c_str(), truth.YoungsModuliKPa[index]);

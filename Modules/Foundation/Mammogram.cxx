@@ -66,6 +66,11 @@ ReceptorGrid ReceptorGrid::Coarsened(int factor) const
   return coarse;
 }
 
+std::string SideName(char laterality)
+{
+  return laterality == 'L' ? "left" : laterality == 'R' ? "right" : "unnamed";
+}
+
 std::optional<double> NominalRollDeg(const Mammogram& mammogram)
 {
   const std::string& view = mammogram.View;

@@ -111,6 +111,9 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
   std::string FilterMaterial;
 };
 
+/// "left" for 'L', "right" for 'R', else "unnamed".
+MAMMORAYFOUNDATION_EXPORT std::string SideName(char laterality);
+
 /**
  * Nominal rotation of the unit for the mammogram's view, degrees, with the sign of
  * BreastPose::RollDeg. It is 0 for CC; the source is medial and above for MLO and ML, lateral for

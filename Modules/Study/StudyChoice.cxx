@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/HeaderRules.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Study/Intake.h"
 
 #include <algorithm>
@@ -13,11 +14,6 @@ namespace mammoray
 {
 namespace
 {
-std::string SideName(char side)
-{
-  return side == 'L' ? "left" : side == 'R' ? "right" : "unnamed";
-}
-
 /// The evidence in brackets, for a reason.
 std::string InBrackets(const std::string& evidence)
 {

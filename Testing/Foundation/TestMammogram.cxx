@@ -17,6 +17,13 @@ std::optional<double> Roll(const std::string& view, char laterality,
   return NominalRollDeg(mammogram);
 }
 
+TEST(SideName, NamesBothBreasts)
+{
+  EXPECT_EQ(SideName('L'), "left");
+  EXPECT_EQ(SideName('R'), "right");
+  EXPECT_EQ(SideName('?'), "unnamed");
+}
+
 TEST(NominalRoll, FollowsTheView)
 {
   EXPECT_EQ(Roll("CC", '?'), 0);

@@ -62,7 +62,7 @@ char AssumeLaterality(Side side, std::vector<std::string>& warnings)
 {
   const char laterality = side == Side::Right ? 'R' : 'L';
   warnings.push_back(std::string("The header does not say which breast this is; taken as the ") +
-    (laterality == 'L' ? "left" : "right") + " one, as mammograms are hung.");
+    SideName(laterality) + " one, as mammograms are hung.");
   return laterality;
 }
 

@@ -2,6 +2,7 @@
 #include "Private/CaseChecks.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Study/LabelSource.h"
 
@@ -13,11 +14,6 @@ namespace mammoray
 {
 namespace
 {
-std::string NameOfSide(char laterality)
-{
-  return laterality == 'L' ? "left" : "right";
-}
-
 std::string Whole(double value)
 {
   return std::to_string(std::lround(value));
@@ -88,8 +84,8 @@ void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent
     laterality != side)
   {
     RefuseUnusual(input,
-      PathOfTissue(input) + ": expected the " + NameOfSide(laterality) +
-        " breast, which the mammogram shows, found the " + NameOfSide(side) +
+      PathOfTissue(input) + ": expected the " + SideName(laterality) +
+        " breast, which the mammogram shows, found the " + SideName(side) +
         " one: " + Whole(leftOfIt) + " mm of the body lie to the left of it, " + Whole(rightOfIt) +
         " mm to the right",
       "Laterality", std::string(1, side));
@@ -185,7 +181,7 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
   {
     return;
   }
-  const std::string side = NameOfSide(mammogram.Laterality);
+  const std::string side = SideName(mammogram.Laterality);
   const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
   for (const std::string& direction : { mammogram.RowDirection, mammogram.ColumnDirection })
   {
@@ -204,9 +200,8 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
   if (!isSaid && inward != 0 && hung != mammogram.Laterality)
   {
     target.Disagreements.push_back("The header says " + side +
-      " breast, but the chest wall is at the " + NameOfSide(hung) +
-      " edge of the picture, as the " + NameOfSide(hung) +
-      " breast is hung: check which breast it is.");
+      " breast, but the chest wall is at the " + SideName(hung) + " edge of the picture, as the " +
+      SideName(hung) + " breast is hung: check which breast it is.");
   }
 }
 

@@ -4,6 +4,7 @@
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/Registration/RegistrationTarget.h"
@@ -81,8 +82,8 @@ void Describe(const RegistrationCase& input, const std::string& path,
     given.Laterality != mammogram.Laterality)
   {
     RefuseUnusual(input,
-      path + ": expected a mammogram of the " + (given.Laterality == 'L' ? "left" : "right") +
-        " breast, found " + mammogram.Laterality + " in its header",
+      path + ": expected a mammogram of the " + SideName(given.Laterality) + " breast, found " +
+        mammogram.Laterality + " in its header",
       "Laterality", std::string(1, mammogram.Laterality));
   }
   mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
