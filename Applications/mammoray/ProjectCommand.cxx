@@ -3,7 +3,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ProjectOptions.h"
-#include "ScatterOptions.h"
+#include "ScatterAndDose.h"
 #include "SharedOptions.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/AtomicFile.h"

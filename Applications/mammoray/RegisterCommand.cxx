@@ -5,12 +5,12 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ResultNotes.h"
-#include "ScatterOptions.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/Study/StudyCase.h"
+#include "mammoray/XRay/Scatter/Photons.h"
 
 #include <cmath>
 #include <cstdio>
@@ -30,7 +30,9 @@ struct RegisterArguments
   std::optional<ChestWallMode> ChestWall;
   std::optional<std::optional<PatientPosition>> ImagePosition;
   std::optional<double> ChestWallMarginMm;
-  KernelScatterArguments Scatter;
+  /// Empty: none; "kernels".
+  std::string ScatterMethod;
+  RegisteredScatter Scatter;
   std::string Output;
 };
 
@@ -156,11 +158,18 @@ void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
 {
   const OptionList xrays = add.Group("X-rays").Expert();
   xrays(Shared::Spectrum, arguments.Case.Spectrum);
-  xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
+  xrays.Word("--scatter", arguments.ScatterMethod, { "kernels" },
     "the synthetic mammogram has what tissue scatters onto the detector\n(by kernels that are "
     "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
     "alone)");
-  DeclareKernelScatter(xrays, arguments.Scatter);
+  xrays.Numbers("--grid", arguments.Scatter.Grid, "RATIO LINES UM",
+    "anti-scatter grid of lead: ratio, lines per cm, septum ('5 31 65')\n(focused, micrometres; "
+    "septa run along the chest wall; transmissions are relative to air behind the grid)");
+  xrays.Expert()("--air-gap", arguments.Scatter.AirGapMm, Between(0, 200, "mm"),
+    "of --scatter kernels: from the back of the tissue to the detector\n(default: the height of "
+    "the unit's support)");
+  xrays.CaseFile().Word("--grid-interspace", arguments.Scatter.Interspace,
+    { "fibre", "air", "aluminium" }, "what is between the septa");
 }
 
 void Declare(const OptionList& add, RegisterArguments& arguments)
@@ -187,6 +196,24 @@ void CheckInputs(const RegistrationCase& input)
     {
       CheckInputFile(volume);
     }
+  }
+}
+
+/// Throws InputError if there are options of scatter without its method, or an impossible grid.
+void SetScatter(RegisterArguments& arguments)
+{
+  const RegisteredScatter& scatter = arguments.Scatter;
+  if (arguments.ScatterMethod.empty() && (scatter.Grid || scatter.AirGapMm))
+  {
+    throw InputError("--grid, --air-gap: expected --scatter beside them, found none");
+  }
+  if (scatter.Grid)
+  {
+    AntiscatterGrid(AntiscatterGridOptions::OfLead(*scatter.Grid, scatter.Interspace));
+  }
+  if (!arguments.ScatterMethod.empty())
+  {
+    arguments.Case.Scatter = scatter;
   }
 }
 
@@ -300,12 +327,7 @@ void Run(RegisterArguments& arguments)
   {
     throw CLI::ExcludesError("--image", "--study");
   }
-  CheckKernelScatter(arguments.Scatter);
-  if (!arguments.Scatter.Method.empty())
-  {
-    input.Scatter = { arguments.Scatter.AirGapMm, arguments.Scatter.Grid,
-      arguments.Scatter.Interspace };
-  }
+  SetScatter(arguments);
   CheckNoInputWithin(arguments.Output);
   CheckResultFolder(arguments.Output, Program().Overwrite);
   if (!arguments.Study.empty())

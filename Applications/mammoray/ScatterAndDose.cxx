@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ScatterOptions.h"
+#include "ScatterAndDose.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
@@ -11,31 +11,6 @@
 
 namespace mammoray
 {
-void DeclareKernelScatter(const OptionList& scatter, KernelScatterArguments& arguments)
-{
-  scatter.Numbers("--grid", arguments.Grid, "RATIO LINES UM",
-    "anti-scatter grid of lead: ratio, lines per cm, septum ('5 31 65')\n(focused, micrometres; "
-    "septa run along the chest wall; transmissions are relative to air behind the grid)");
-  scatter.Expert()("--air-gap", arguments.AirGapMm, Between(0, 200, "mm"),
-    "of --scatter kernels: from the back of the tissue to the detector\n(default: the height of "
-    "the "
-    "unit's support)");
-  scatter.CaseFile().Word("--grid-interspace", arguments.Interspace,
-    { "fibre", "air", "aluminium" }, "what is between the septa");
-}
-
-void CheckKernelScatter(const KernelScatterArguments& arguments)
-{
-  if (arguments.Method.empty() && (arguments.Grid || arguments.AirGapMm))
-  {
-    throw InputError("--grid, --air-gap: expected --scatter beside them, found none");
-  }
-  if (arguments.Grid)
-  {
-    AntiscatterGrid(AntiscatterGridOptions::OfLead(*arguments.Grid, arguments.Interspace));
-  }
-}
-
 std::shared_ptr<const VoxelScene> MakeVoxelScene(double voxelMm, const SurfaceMesh& surface,
   const MaterialTable& materials, const ProgressCallback& progress)
 {
