@@ -260,6 +260,7 @@ std::vector<DicomHeader> ReadDicomHeaders(const std::string& path)
 SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)
 {
   std::vector<VolumeSlice> places;
+  places.reserve(slices.size());
   for (const DicomHeader& header : slices)
   {
     places.push_back({ header, header.Path, header.Columns, header.Rows, {} });

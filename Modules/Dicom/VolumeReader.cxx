@@ -212,6 +212,7 @@ void Exchange(Parcel& parcel, SeriesPart& part)
 void AppendFiles(const std::vector<SliceFile>& files, const std::string& first, SeriesPart& all)
 {
   std::vector<std::string> paths;
+  paths.reserve(files.size());
   for (const SliceFile& file : files)
   {
     paths.push_back(file.Path);

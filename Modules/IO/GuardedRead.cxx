@@ -106,7 +106,9 @@ void SetUpReader(const ReadLimits& limits)
   throw std::bad_alloc();
 }
 
-/// Writes the answer of a reader behind its ending into the file, and ends the process.
+/// Writes the answer of a reader behind its ending into the file, and ends the process. What is
+/// thrown here ends it, too, and its parent says so.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 [[noreturn]] void Answer(std::FILE* file, const std::function<void(Parcel&)>& put) noexcept
 {
   Parcel parcel(file, true, "");

@@ -50,6 +50,7 @@ template <typename T>
 std::vector<T> Rounded(const std::vector<double>& numbers)
 {
   std::vector<T> rounded;
+  rounded.reserve(numbers.size());
   for (const double number : numbers)
   {
     rounded.push_back(static_cast<T>(std::lround(number)));

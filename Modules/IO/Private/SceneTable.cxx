@@ -10,11 +10,7 @@
 #include <utility>
 
 /// The member of a description that holds a quantity.
-#define MEMBER(path)                                                                               \
-  [](auto& scene) -> auto&                                                                         \
-  {                                                                                                \
-    return scene.path;                                                                             \
-  }
+#define MEMBER(path) ([](auto& scene) -> auto& { return scene.path; })
 
 namespace mammoray
 {

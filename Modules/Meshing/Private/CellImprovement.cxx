@@ -403,6 +403,7 @@ private:
     const auto contactsAt = [&]
     {
       std::vector<Contacts> at;
+      at.reserve(touched.size());
       for (const std::int32_t point : touched)
       {
         at.push_back(FindContacts(this->Mesh, point));

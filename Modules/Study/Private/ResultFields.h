@@ -27,6 +27,8 @@ struct OrNull
 {
   T& Value;
 };
+template <typename T>
+OrNull(T&) -> OrNull<T>;
 
 /// Names and texts that are one object in the file.
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
