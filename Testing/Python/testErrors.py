@@ -89,6 +89,11 @@ for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing"
     except mammoray.Error as error:
         assert text in str(error), error
 
+# What is no breast.
+raises("breast: expected a Mesh or its points", mammoray.register, labels, "a.dcm", materials="victre")
+raises("breast.spacing: ", mammoray.register, mammoray.LabelVolume(labels, (2, 2)), "a.dcm", materials="victre")
+raises("breast.labels: ", mammoray.register, mammoray.LabelVolume(labels[0], (2, 2, 2)), "a.dcm", materials="victre")
+
 # Ctrl-C stops the work, which is done anew when it is asked for.
 table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(fixed=True), 3: mammoray.Material(youngs_modulus=12)}
 mesh = mammoray.mesh(labels, (2, 2, 2), origin=origin, cell_size=5, materials=table)

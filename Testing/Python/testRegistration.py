@@ -118,7 +118,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     pixels = pixels[::-1]  # the first row on top, as project gives it
     assert numpy.allclose(10000 * picture.transmission, pixels, rtol=0, atol=1e-2)
     again = mammoray.register(
-        rest.points, rest.tetrahedra, rest.regions,
+        rest,
         mammoray.Mammogram(pixels, (0.5, 0.5), view="CC", side="L", row_direction="A", column_direction="R", for_processing=True,
                            intensity_sign=1),
         materials=table.name, orientation="LAS", thickness=START_THICKNESS, edge_radius=UNIT_EDGE,
@@ -127,6 +127,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
         assert abs(again.parameters[name] - value) < 1e-3, (name, again.parameters[name], value)
     assert again.converged and again.covariance.shape == (9, 9) and again.sensitivities["roll"].shape == rest.points.shape
     assert numpy.allclose(again.points, points(result), rtol=0, atol=1e-3)
+    assert (again.tetrahedra == rest.tetrahedra).all() and (again.regions == rest.regions).all()
     strings = {name: result.GetFieldData().GetAbstractArray(name) for name in ("Trust", "TrustReasons")}
     assert again.trust == strings["Trust"].GetValue(0) and len(again.trust_reasons) == strings["TrustReasons"].GetNumberOfValues()
     assert numpy.allclose(again.expected_error, field(result, "ExpectedErrorMm"), rtol=0, atol=1e-3)

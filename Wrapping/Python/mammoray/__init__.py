@@ -8,7 +8,7 @@ Arrays in, arrays out, without a pipeline; `help(mammoray.project)` tells shapes
     recombine  two exposures -> one without two tissues (dual energy), by cancelling_weight
     mesh       labels -> tetrahedra with a material each
     compress   tetrahedra -> the same between the plates of a mammography unit
-    register   tetrahedra and a mammogram -> the compression that matches it
+    register   labels or tetrahedra, and a mammogram -> the compression that matches it
 
 The same as VTK algorithms, which work with everything in `vtkmodules` and take their properties as keywords:
 
@@ -61,13 +61,14 @@ from ._projection import (  # noqa: E402  after numpy was found
     recombine)
 
 if TYPE_CHECKING:
-    from ._breast import Compression, Mammogram, Mesh, Placement, Registration, compress, mesh, register
+    from ._breast import Compression, LabelVolume, Mammogram, Mesh, Placement, Registration, compress, mesh, register
     from ._filters import (vtkBreastCompression, vtkBreastMesher, vtkBreastRegistration, vtkMammogramReader,
                            vtkXRayProjector)
 
 # What needs VTK, which is loaded when one of these is asked for.
 _WITH_VTK = {
-    **dict.fromkeys(("Compression", "Mammogram", "Mesh", "Placement", "Registration", "compress", "mesh", "register"), "_breast"),
+    **dict.fromkeys(("Compression", "LabelVolume", "Mammogram", "Mesh", "Placement", "Registration", "compress", "mesh", "register"),
+                    "_breast"),
     **dict.fromkeys(("vtkBreastCompression", "vtkBreastMesher", "vtkBreastRegistration", "vtkMammogramReader",
                      "vtkXRayProjector"), "_filters")}
 

@@ -40,6 +40,24 @@ class Mesh:
     names: tuple[str, ...] = ()
 
 
+MeshArrays = Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike]]
+
+
+@dataclasses.dataclass(frozen=True)
+class LabelVolume:
+    """A label for each voxel.
+
+    labels: k x j x i, whole numbers from 0 to 65535, the last index along x
+    spacing: of the voxels along x, y, z, mm
+    origin: centre of voxel [0, 0, 0], mm
+    direction: 3 x 3, whose columns are the unit vectors of i, j and k; default: the axes
+    """
+    labels: ArrayLike
+    spacing: ArrayLike
+    origin: ArrayLike = (0.0, 0.0, 0.0)
+    direction: Optional[ArrayLike] = None
+
+
 @dataclasses.dataclass(frozen=True)
 class Placement:
     """Where a mammography unit stands in the frame of the mesh: the gantry's origin, where the chest-wall edge of the image receptor
@@ -120,6 +138,7 @@ class Registration:
     """What a registration found.
 
     points: n x 3, the breast as the mammogram shows it, mm; displacement: n x 3, from where they were
+    tetrahedra: m x 4, rows of points, from 0; regions: m, the material of each
     parameters: by name (thickness, roll, lateral, anterior, ...), mm, degrees, or a factor
     deviations: their standard deviations; not a number where one was not looked for
     covariance: of the parameters in the order of `parameters`; none where it is not known
@@ -135,6 +154,8 @@ class Registration:
     """
     points: NDArray[numpy.float64]
     displacement: NDArray[numpy.float64]
+    tetrahedra: NDArray[numpy.int64]
+    regions: NDArray[numpy.int32]
     parameters: dict[str, float]
     deviations: dict[str, float]
     covariance: Optional[NDArray[numpy.float64]]
@@ -165,6 +186,14 @@ def _points(grid: Any) -> NDArray[numpy.float64]:
     return vtk_to_numpy(grid.GetPoints().GetData()).astype(numpy.float64)
 
 
+def _tetrahedra(grid: Any) -> NDArray[numpy.int64]:
+    return vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4).astype(numpy.int64)
+
+
+def _regions(grid: Any) -> NDArray[numpy.int32]:
+    return vtk_to_numpy(grid.GetCellData().GetArray("Material")).astype(numpy.int32)
+
+
 def _values(data: Any, name: str) -> Any:
     array = data.GetArray(name)
     return None if array is None else vtk_to_numpy(array).copy()
@@ -189,6 +218,25 @@ def _grid(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, what: st
     array.SetName("Material")
     grid.GetCellData().AddArray(array)
     return grid
+
+
+def _mesh_grid(mesh: MeshArrays, name: str) -> Any:
+    arrays = (mesh.points, mesh.tetrahedra, mesh.regions) if isinstance(mesh, Mesh) else mesh
+    if not isinstance(arrays, (tuple, list)) or len(arrays) != 3:
+        raise InputError(f"{name}: expected a Mesh or its points, tetrahedra and regions, found {type(mesh).__name__}")
+    return _grid(*arrays, f"{name}: ")
+
+
+def _label_image(volume: LabelVolume, what: str = "") -> Any:
+    voxels = whole_array_of(volume.labels, f"{what}labels", (None, None, None), 65535)
+    image = vtkImageData()
+    image.SetDimensions(*reversed(voxels.shape))
+    image.SetSpacing(*three(volume.spacing, f"{what}spacing"))
+    image.SetOrigin(*three(volume.origin, f"{what}origin"))
+    if volume.direction is not None:
+        image.SetDirectionMatrix(array_of(volume.direction, f"{what}direction", (3, 3)).ravel().tolist())
+    image.GetPointData().SetScalars(numpy_to_vtk(numpy.ascontiguousarray(voxels, dtype=numpy.uint16).ravel(), deep=True))
+    return image
 
 
 def _told(algorithm: Any, progress: Optional[Progress]) -> Any:
@@ -241,14 +289,7 @@ def mesh(labels: ArrayLike, spacing: ArrayLike, *, origin: ArrayLike = (0.0, 0.0
 
     Gives a Mesh, in the frame of origin and direction. Raises Error in one line, KeyboardInterrupt on Ctrl-C.
     """
-    voxels = whole_array_of(labels, "labels", (None, None, None), 65535)
-    image = vtkImageData()
-    image.SetDimensions(*reversed(voxels.shape))
-    image.SetSpacing(*three(spacing, "spacing"))
-    image.SetOrigin(*three(origin, "origin"))
-    if direction is not None:
-        image.SetDirectionMatrix(array_of(direction, "direction", (3, 3)).ravel().tolist())
-    image.GetPointData().SetScalars(numpy_to_vtk(numpy.ascontiguousarray(voxels, dtype=numpy.uint16).ravel(), deep=True))
+    image = _label_image(LabelVolume(labels, spacing, origin, direction))
     if not 0 <= label_spacing < float("inf"):
         raise InputError(f"label_spacing: expected a number of mm of at least 0, found {label_spacing}")
     with _table_of(materials, imaged=False) as table:
@@ -258,9 +299,7 @@ def mesh(labels: ArrayLike, spacing: ArrayLike, *, origin: ArrayLike = (0.0, 0.0
         mesher.SetInputData(image)
         mesher.Update()
     grid = mesher.GetOutput()
-    return Mesh(_points(grid), vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4).astype(numpy.int64),
-                _values(grid.GetCellData(), "Material").astype(numpy.int32),
-                _strings(grid, "MaterialNames"))
+    return Mesh(_points(grid), _tetrahedra(grid), _regions(grid), _strings(grid, "MaterialNames"))
 
 
 def _one_of(value: str, known: Sequence[str], name: str) -> int:
@@ -269,17 +308,10 @@ def _one_of(value: str, known: Sequence[str], name: str) -> int:
     return list(known).index(value)
 
 
-def _simulation_mesh(mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None], algorithm: Any, port: int) -> None:
-    if mesh is None:
-        return
-    points, tetrahedra, regions = (mesh.points, mesh.tetrahedra, mesh.regions) if isinstance(mesh, Mesh) else mesh
-    algorithm.SetInputData(port, _grid(points, tetrahedra, regions, "simulation_mesh: "))
-
-
 def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, materials: Materials, thickness: float = 50.0,
              force: float = 0.0, orientation: str = "LPS", roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0,
              lateral: float = 0.0, anterior: float = 0.0, vertical: float = 0.0, tilt: float = 0.0,
-             simulation_mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None] = None, element: str = "quadratic",
+             simulation_mesh: Optional[MeshArrays] = None, element: str = "quadratic",
              chest_wall: str = "fixed", wall_stiffness: tuple[float, float] = (1000.0, 1.0), friction: float = 0.0, pull: float = 0.0,
              image_position: str = "none", gravity: bool = False, support_edge: float = 0.0, paddle_edge: float = 0.0,
              edge_radius: float = 3.0, progress: Optional[Progress] = None) -> Compression:
@@ -309,7 +341,8 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
         Friction=friction, PullN=pull, ImagePosition=_one_of(image_position, ("none", "prone", "supine"), "image_position"),
         Gravity=gravity, SupportEdgeMm=support_edge, PaddleEdgeMm=paddle_edge, EdgeRadiusMm=edge_radius), progress)
     compression.SetInputData(_grid(points, tetrahedra, regions))
-    _simulation_mesh(simulation_mesh, compression, 1)
+    if simulation_mesh is not None:
+        compression.SetInputData(1, _mesh_grid(simulation_mesh, "simulation_mesh"))
     for region, material in (material_table(materials) if isinstance(materials, str) else materials_of(materials)).items():
         compression.SetMaterial(region, material.youngs_modulus, material.poisson_ratio, material.fixed, material.fung_exponent,
                                 material.density)
@@ -353,18 +386,19 @@ def _mammogram_image(mammogram: Mammogram) -> Any:
     return image
 
 
-def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammogram: Union[str, os.PathLike[str], Mammogram], *,
+def register(breast: Union[LabelVolume, MeshArrays], mammogram: Union[str, os.PathLike[str], Mammogram], *,
              materials: Materials, spectrum: str = "W28kVp_Rh50um_Be1mm", orientation: str = "LPS",
              free: Optional[Sequence[str]] = None, thickness: float = 0.0, roll: float = 0.0,
              anterior: float = 5.0, source_to_detector: float = 0.0, edge_radius: float = 8.0,
-             simulation_mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None] = None,
+             simulation_mesh: Optional[MeshArrays] = None,
              pixel_sizes: tuple[float, float] = (3.0, 1.5), iterations: int = 15, device: str = "",
              progress: Optional[Progress] = None) -> Registration:
     """Finds the compression and pose whose synthetic mammogram matches a mammogram. Lengths are mm, angles degrees.
 
-    points: n x 3, the breast at rest; tetrahedra: m x 4, rows of points from 0; regions: m, from 1 (mesh makes all three)
+    breast: at rest; a LabelVolume, from which meshes, stiffness and the place of the unit follow as in `mammoray register --labels`;
+        or a Mesh, or its arrays as a tuple: points, n x 3; tetrahedra, m x 4, rows of points from 0; regions, m, from 1
     mammogram: a DICOM file, or a Mammogram
-    materials: a table's name or file; or Materials of the regions, one of which is fixed
+    materials: a table's name or file; or Materials of the labels 1, 2, ... or of the regions, one of which is fixed
     spectrum: name or file of a spectrum
     orientation: directions of +x, +y, +z in the patient: a letter each of L/R, A/P, S/I
     free: what is looked for: thickness, roll, pitch, yaw, lateral, anterior, vertical, tilt, stiffness; default: all but the
@@ -373,12 +407,12 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     roll: beside the nominal one of the mammogram's view; anterior: of the receptor's edge from the chest wall
     source_to_detector: 0: the mammogram's, else 650
     edge_radius: of the plates; wider than a unit's 3, which is what a breast's mechanics can follow
-    simulation_mesh: a coarse one of the same breast (mesh with for_mechanics); default: made of this one
+    simulation_mesh: a coarse one of the same breast (mesh with for_mechanics); default: made of `breast`
     pixel_sizes: in which the pictures are compared, first coarse, then fine
     iterations: at each pixel size, at most
     progress: called with what is done, from 0 to 1
 
-    Gives a Registration, in the frame of the points. Raises Error in one line, KeyboardInterrupt on Ctrl-C. For many mammograms of
+    Gives a Registration, in the frame of `breast`. Raises Error in one line, KeyboardInterrupt on Ctrl-C. For many mammograms of
     one breast use vtkBreastRegistration, which keeps meshes and simulation; for a patient's files `mammoray register --study`.
     """
     with _table_of(materials) as table:
@@ -388,7 +422,10 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
             PixelSizesMm=pixel_sizes, MaximumIterations=iterations, DeviceName=device), progress)
         if free is not None:
             registration.SetFreeParameters(" ".join(free))
-        registration.SetInputData(0, _grid(points, tetrahedra, regions))
+        if isinstance(breast, LabelVolume):
+            registration.SetInputData(0, _label_image(breast, "breast."))
+        else:
+            registration.SetInputData(0, _mesh_grid(breast, "breast"))
         if isinstance(mammogram, (str, os.PathLike)):
             reader = _filters.vtkMammogramReader(FileName=os.fspath(mammogram))
             reader.Update()
@@ -396,7 +433,8 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
             reader = vtkTrivialProducer()
             reader.SetOutput(_mammogram_image(made_from(Mammogram, mammogram, "mammogram")))
         registration.SetMammogramConnection(reader.GetOutputPort())
-        _simulation_mesh(simulation_mesh, registration, 2)
+        if simulation_mesh is not None:
+            registration.SetInputData(2, _mesh_grid(simulation_mesh, "simulation_mesh"))
         registration.Update()
     grid = registration.GetOutput()
     names = _strings(grid, "ParameterNames")
@@ -405,7 +443,8 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     data = grid.GetPointData()
     sensitivities = {name: _values(data, f"Sensitivity_{name}") for name in names if data.GetArray(f"Sensitivity_{name}")}
     return Registration(
-        _points(grid), _values(data, "Displacement"), dict(zip(names, _field(grid, "Parameters").tolist())),
+        _points(grid), _values(data, "Displacement"), _tetrahedra(grid), _regions(grid),
+        dict(zip(names, _field(grid, "Parameters").tolist())),
         dict(zip(names, _field(grid, "ParameterDeviations").tolist())), covariance if covariance.size else None, sensitivities,
         _placement(grid), float(_field(grid, "Correlation")[0]), float(_field(grid, "TissueCorrelation")[0]),
         float(_field(grid, "MeanOutlineDistanceMm")[0]),
