@@ -66,6 +66,21 @@ std::vector<StudyAnswer> TrueAnswers(const StudyTruth& truth)
   return answers;
 }
 
+/// Writes a file that ReadStudyAnswers reads. All answers have positions in the gantry frame.
+void WriteAnswers(const std::vector<StudyAnswer>& answers, const std::string& path)
+{
+  std::string text = "view,point,column,row,x,y,z\n";
+  for (const StudyAnswer& answer : answers)
+  {
+    const Vector3& at = answer.Gantry.value();
+    char line[200];
+    std::snprintf(line, sizeof line, "%s,%zu,%.3f,%.3f,%.3f,%.3f,%.3f\n", answer.View.c_str(),
+      answer.Point, answer.Pixel[0], answer.Pixel[1], at[0], at[1], at[2]);
+    text += line;
+  }
+  WriteAtomicFile(path, text);
+}
+
 /// A study in the form that a method reads, and its segmentation.
 class GivenStudy
 {
@@ -210,13 +225,13 @@ std::string ExportStudy(const PlannedStudy& study, const std::string& folder,
   const std::string own = folder + '/' + name;
   const StudyTruth truth = MakePlannedStudy(study, own, ShareOf(progress, 0, 0.7));
   fs::rename(own + "/truth.json", folder + "/truth/" + name + ".json");
-  WriteStudyAnswers(TrueAnswers(truth), folder + "/truth/" + name + ".csv");
+  WriteAnswers(TrueAnswers(truth), folder + "/truth/" + name + ".csv");
   const GivenStudy given(own, ShareOf(progress, 0.7, 1));
   given.Write(truth);
   for (const Baseline& baseline : Baselines)
   {
     const std::vector<StudyAnswer> answers = given.Answer(truth.MriPoints, baseline.Motion);
-    WriteStudyAnswers(answers, folder + "/baselines/" + name + '-' + baseline.Name + ".csv");
+    WriteAnswers(answers, folder + "/baselines/" + name + '-' + baseline.Name + ".csv");
     scores.push_back({ name, baseline.Name, ScoreAnswers(truth, answers) });
   }
   return StudyRow(study, truth);

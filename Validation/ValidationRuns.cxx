@@ -141,9 +141,9 @@ json MeasureLandmarks(const LandmarkCase& input, const ProgressCallback& progres
   for (const LandmarkErrors& errors :
     EvaluateLandmarks(landmarks, input.Truth, grid, registered.Placed, view.View.Unit))
   {
-    const LandmarkSummary row = SummariseImaged(errors, landmarks);
-    run["rows"].push_back({ { "method", row.Method }, { "in3dMm", ToJson(row.InSpace) },
-      { "onReceptorMm", ToJson(row.OnReceptor) } });
+    run["rows"].push_back(
+      { { "method", errors.Method }, { "in3dMm", ToJson(Summarise(errors.Imaged.InSpaceMm)) },
+        { "onReceptorMm", ToJson(Summarise(errors.Imaged.OnReceptorMm)) } });
   }
   if (!input.CompressedLabels.Path.empty())
   {

@@ -61,9 +61,11 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
     "source to detector distance of the truth");
 }
 
-void PrintRow(const std::string& method, const char* group, const ErrorSummary& space,
-  const ErrorSummary& receptor)
+void PrintRow(const std::string& method, const char* group, const std::vector<double>& inSpaceMm,
+  const std::vector<double>& onReceptorMm)
 {
+  const ErrorSummary space = Summarise(inSpaceMm);
+  const ErrorSummary receptor = Summarise(onReceptorMm);
   std::printf("%-36s %-10s %3d  %7.2f %7.2f %7.2f   %7.2f %7.2f %7.2f\n", method.c_str(), group,
     space.Count, space.Median, space.Mean, space.Largest, receptor.Median, receptor.Mean,
     receptor.Largest);
@@ -154,14 +156,12 @@ void Run(EvaluateArguments& arguments)
     "mean", "max", "median", "mean", "max");
   for (const LandmarkErrors& errors : methods)
   {
-    const LandmarkSummary imaged = SummariseImaged(errors, landmarks);
-    PrintRow(errors.Method, "imaged", imaged.InSpace, imaged.OnReceptor);
-    PrintRow("", "all", Summarise(errors.InSpace), Summarise(errors.OnReceptor));
+    PrintRow(errors.Method, "imaged", errors.Imaged.InSpaceMm, errors.Imaged.OnReceptorMm);
+    PrintRow("", "all", errors.All.InSpaceMm, errors.All.OnReceptorMm);
   }
   if (apart)
   {
-    PrintRow("two readers, compressed", "all", Summarise(apart->Compressed),
-      Summarise(apart->OnReceptor));
+    PrintRow("two readers, compressed", "all", apart->Compressed, apart->OnReceptor);
     const ErrorSummary before = Summarise(apart->Uncompressed);
     std::printf("%-36s %-10s %3d  %7.2f %7.2f %7.2f\n", "two readers, uncompressed", "all",
       before.Count, before.Median, before.Mean, before.Largest);

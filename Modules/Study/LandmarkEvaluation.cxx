@@ -14,6 +14,7 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace mammoray
@@ -140,20 +141,11 @@ ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
   return distances;
 }
 
-LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
-  const std::vector<Landmark>& landmarks)
+void PointErrors::Add(const Vector3& error, double onReceptorMm)
 {
-  std::vector<double> space;
-  std::vector<double> receptor;
-  for (std::size_t index = 0; index < landmarks.size(); ++index)
-  {
-    if (landmarks[index].Imaged)
-    {
-      space.push_back(errors.InSpace[index]);
-      receptor.push_back(errors.OnReceptor[index]);
-    }
-  }
-  return { errors.Method, Summarise(space), Summarise(receptor) };
+  this->InSpaceMm.push_back(Norm(error));
+  this->OnReceptorMm.push_back(onReceptorMm);
+  this->AlongBeamMm.push_back(std::abs(error[2]));
 }
 
 std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
@@ -190,8 +182,12 @@ std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landm
     {
       const Vector3 expected = truth.Placed.ToGantry(landmarks[index].Compressed);
       const Vector3 at = placed.ToGantry(found[index]);
-      errors.InSpace.push_back(Norm(at - expected));
-      errors.OnReceptor.push_back(Norm(OnReceptor(at, unit) - OnReceptor(expected, trueUnit)));
+      const double onReceptorMm = Norm(OnReceptor(at, unit) - OnReceptor(expected, trueUnit));
+      errors.All.Add(at - expected, onReceptorMm);
+      if (landmarks[index].Imaged)
+      {
+        errors.Imaged.Add(at - expected, onReceptorMm);
+      }
     }
     methods.push_back(errors);
   };

@@ -49,14 +49,27 @@ MAMMORAYSTUDY_EXPORT double Quantile(std::vector<double> values, double part);
 MAMMORAYSTUDY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
   vtkUnstructuredGrid* body);
 
-/// Errors of one method that predicts the compressed landmarks; one entry per landmark, mm.
+/// Distances of points from their true places in one mammogram, one entry for each point, mm.
+struct MAMMORAYSTUDY_EXPORT PointErrors
+{
+  /// In the gantry frame. Empty for a method that does not find the depth.
+  std::vector<double> InSpaceMm;
+  /// On the receptor, between the shadows.
+  std::vector<double> OnReceptorMm;
+  /// Along gantry z, nearly the direction of the beam, in which positions are least determined.
+  std::vector<double> AlongBeamMm;
+
+  /// `error`: found position less the true one, gantry frame, mm.
+  void Add(const Vector3& error, double onReceptorMm);
+};
+
+/// Errors of one method that predicts the compressed landmarks.
 struct LandmarkErrors
 {
   std::string Method;
-  /// Distance in 3D in the gantry frame.
-  std::vector<double> InSpace;
-  /// Distance of the projections on the receptor.
-  std::vector<double> OnReceptor;
+  /// At the landmarks that the mammogram shows, and at all landmarks.
+  PointErrors Imaged;
+  PointErrors All;
 };
 
 /// The true unit: its placement in the truth's frame, and the distance of its focal spot.
@@ -80,16 +93,6 @@ struct ReaderDistances
 };
 MAMMORAYSTUDY_EXPORT ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
   const std::vector<Landmark>& second, const LandmarkTruth& truth);
-
-/// The errors of a method at the landmarks that the mammogram shows.
-struct LandmarkSummary
-{
-  std::string Method;
-  ErrorSummary InSpace;
-  ErrorSummary OnReceptor;
-};
-MAMMORAYSTUDY_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
-  const std::vector<Landmark>& landmarks);
 
 /**
  * Errors of the identity, of the best rigid motion (fitted to the truth itself, over the imaged

@@ -3,17 +3,14 @@
 
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Registration/PosedBreast.h"
-#include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/RegisteredBreast.h"
-#include "mammoray/Study/StudyAnswers.h"
+#include "mammoray/Study/ResultFile.h"
 
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <utility>
@@ -22,9 +19,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr const char* HeaderFlat = "view,point,column,row";
-constexpr const char* HeaderInSpace = "view,point,column,row,x,y,z";
-
 /// Size of a view's square pixels, mm, from the two points that lie farthest apart in its picture:
 /// the truth has each point both on the receptor and in pixels.
 double PixelSizeMm(const TrueView& view)
@@ -67,14 +61,16 @@ AnswerScore ScoreView(const TrueView& view, const std::vector<const StudyAnswer*
     const std::size_t point = answer->Point;
     answered[point] = true;
     PointErrors& errors = view.Receptor[point][1] < 0 ? score.Behind : score.Imaged;
-    errors.OnReceptorMm.push_back(sizeMm *
+    const double onReceptorMm = sizeMm *
       std::hypot(answer->Pixel[0] - view.Pixels[point][0],
-        answer->Pixel[1] - view.Pixels[point][1]));
+        answer->Pixel[1] - view.Pixels[point][1]);
     if (inSpace)
     {
-      const Vector3 error = *answer->Gantry - view.Gantry[point];
-      errors.InSpaceMm.push_back(Norm(error));
-      errors.AlongBeamMm.push_back(std::abs(error[2]));
+      errors.Add(*answer->Gantry - view.Gantry[point], onReceptorMm);
+    }
+    else
+    {
+      errors.OnReceptorMm.push_back(onReceptorMm);
     }
   }
   for (std::size_t point = 0; point < answered.size(); ++point)
@@ -87,7 +83,8 @@ AnswerScore ScoreView(const TrueView& view, const std::vector<const StudyAnswer*
 
 std::vector<StudyAnswer> ReadStudyAnswers(const std::string& path)
 {
-  const CsvRows read = ReadCsvRows(path, { HeaderFlat, HeaderInSpace });
+  const CsvRows read =
+    ReadCsvRows(path, { "view,point,column,row", "view,point,column,row,x,y,z" });
   std::vector<StudyAnswer> answers;
   std::set<std::pair<std::string, std::size_t>> known;
   for (const CsvRow& row : read.Rows)
@@ -115,27 +112,6 @@ std::vector<StudyAnswer> ReadStudyAnswers(const std::string& path)
     }
   }
   return answers;
-}
-
-void WriteStudyAnswers(const std::vector<StudyAnswer>& answers, const std::string& path)
-{
-  const bool inSpace = std::all_of(answers.begin(), answers.end(),
-    [](const StudyAnswer& answer) { return answer.Gantry.has_value(); });
-  std::string text = inSpace ? HeaderInSpace : HeaderFlat;
-  for (const StudyAnswer& answer : answers)
-  {
-    char line[200];
-    std::snprintf(line, sizeof line, "\n%s,%zu,%.3f,%.3f", answer.View.c_str(), answer.Point,
-      answer.Pixel[0], answer.Pixel[1]);
-    text += line;
-    if (inSpace)
-    {
-      const Vector3& at = *answer.Gantry;
-      std::snprintf(line, sizeof line, ",%.3f,%.3f,%.3f", at[0], at[1], at[2]);
-      text += line;
-    }
-  }
-  WriteAtomicFile(path, text + '\n');
 }
 
 std::vector<AnswerScore> ScoreAnswers(const StudyTruth& truth,
@@ -183,12 +159,9 @@ AnswerScore ScoreResult(const StudyTruth& truth, const ResultFile& result,
   for (std::size_t index = 0; index < moved.size(); ++index)
   {
     const Vector3 found = breast.Placed.ToGantry(moved[index]);
-    const Vector3 error = found - view->Gantry[index];
     const ReceptorPoint shadow = ShadowOf(found, breast.Unit);
     PointErrors& errors = view->Receptor[index][1] < 0 ? score.Behind : score.Imaged;
-    errors.InSpaceMm.push_back(Norm(error));
-    errors.AlongBeamMm.push_back(std::abs(error[2]));
-    errors.OnReceptorMm.push_back(
+    errors.Add(found - view->Gantry[index],
       std::hypot(shadow[0] - view->Receptor[index][0], shadow[1] - view->Receptor[index][1]));
   }
   return score;

@@ -3,6 +3,7 @@
 #define mammoray_StudyAnswers_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammorayStudyModule.h"
 
 #include <array>
@@ -86,22 +87,6 @@ struct StudyAnswer
  * view other than CC and MLO, and on a point that is answered twice in a view.
  */
 MAMMORAYSTUDY_EXPORT std::vector<StudyAnswer> ReadStudyAnswers(const std::string& path);
-
-/// Writes a file that ReadStudyAnswers reads; with x, y and z if all answers have them. Throws
-/// InputError where it cannot be written.
-MAMMORAYSTUDY_EXPORT void WriteStudyAnswers(const std::vector<StudyAnswer>& answers,
-  const std::string& path);
-
-/// Distances of points from their true places in one mammogram, one entry for each point, mm.
-struct PointErrors
-{
-  /// In the gantry frame. Empty for a method that does not find the depth.
-  std::vector<double> InSpaceMm;
-  /// On the receptor, between the shadows.
-  std::vector<double> OnReceptorMm;
-  /// Along gantry z, nearly the direction of the beam, in which positions are least determined.
-  std::vector<double> AlongBeamMm;
-};
 
 /// The errors of a method in one view of a study.
 struct AnswerScore

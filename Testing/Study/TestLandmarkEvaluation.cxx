@@ -59,15 +59,23 @@ TEST(LandmarkEvaluation, KnowsTheErrorOfAKnownDeformation)
   ASSERT_EQ(methods.size(), 4u);
   EXPECT_EQ(methods[0].Method, "identity");
   EXPECT_EQ(methods[3].Method, "registered");
+  // The first and the last landmark are imaged.
+  for (const LandmarkErrors& errors : methods)
+  {
+    EXPECT_THAT(errors.Imaged.InSpaceMm,
+      testing::ElementsAre(errors.All.InSpaceMm[0], errors.All.InSpaceMm[2]));
+    EXPECT_THAT(errors.Imaged.OnReceptorMm,
+      testing::ElementsAre(errors.All.OnReceptorMm[0], errors.All.OnReceptorMm[2]));
+  }
   for (std::size_t index = 0; index < landmarks.size(); ++index)
   {
     const Vector3& u = landmarks[index].Uncompressed;
-    EXPECT_NEAR(methods[0].InSpace[index], std::hypot(0.1 * u[0], 0.5 * u[2]), 1e-9);
-    EXPECT_NEAR(methods[3].InSpace[index], 3, 1e-9);
-    EXPECT_NEAR(methods[3].OnReceptor[index], 3 * 600 / (600 - (0.5 * u[2] + 20)), 1e-9);
+    EXPECT_NEAR(methods[0].All.InSpaceMm[index], std::hypot(0.1 * u[0], 0.5 * u[2]), 1e-9);
+    EXPECT_NEAR(methods[3].All.InSpaceMm[index], 3, 1e-9);
+    EXPECT_NEAR(methods[3].All.OnReceptorMm[index], 3 * 600 / (600 - (0.5 * u[2] + 20)), 1e-9);
     // No rigid motion is worse than the identity in the sum of squares, and none explains a
     // stretch.
-    EXPECT_GT(methods[2].InSpace[index], 0);
+    EXPECT_GT(methods[2].All.InSpaceMm[index], 0);
   }
 }
 
@@ -81,7 +89,7 @@ TEST(LandmarkEvaluation, RigidFitFindsARigidMotion)
   }
   const auto methods = EvaluateLandmarks(landmarks, LandmarkTruth{}, StretchedTetrahedron(),
     VolumeFromGantry{}, MammographyUnit{});
-  for (const double error : methods[1].InSpace)
+  for (const double error : methods[1].All.InSpaceMm)
   {
     EXPECT_NEAR(error, 0, 1e-9); // double, points of size 10
   }
@@ -133,17 +141,4 @@ TEST(LandmarkEvaluation, TwoReadersLieApart)
   EXPECT_NEAR(apart.OnReceptor.at(0), 8, 1e-12);
   EXPECT_THAT(test::RefusalOf([&] { DistancesBetween(first, {}, truth); }),
     testing::HasSubstr("found 1 and 0"));
-}
-
-TEST(LandmarkEvaluation, SummaryCountsWhatIsImaged)
-{
-  std::vector<Landmark> landmarks(4);
-  landmarks[2].Imaged = false;
-  const LandmarkSummary summary =
-    SummariseImaged({ "registered", { 1, 2, 100, 6 }, { 0.5, 1, 50, 3 } }, landmarks);
-  EXPECT_EQ(summary.Method, "registered");
-  EXPECT_EQ(summary.InSpace.Count, 3);
-  EXPECT_EQ(summary.InSpace.Median, 2);
-  EXPECT_EQ(summary.InSpace.Largest, 6);
-  EXPECT_NEAR(summary.OnReceptor.Mean, 1.5, 1e-12);
 }

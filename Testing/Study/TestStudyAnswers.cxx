@@ -53,12 +53,11 @@ TEST(StudyAnswers, WithoutDepthHaveNoErrorInSpace)
   EXPECT_THAT(scores[0].Imaged.InSpaceMm, testing::IsEmpty());
 }
 
-TEST(StudyAnswers, AreReadAsTheyWereWritten)
+TEST(StudyAnswers, AreReadWithAndWithoutDepth)
 {
   const TemporaryFolder folder;
-  const std::string path = folder.File("answers.csv");
-  WriteStudyAnswers({ { "CC", 7, { 1.5, -2.25 }, Vector3{ 3, 4, -5.125 } } }, path);
-  const std::vector<StudyAnswer> read = ReadStudyAnswers(path);
+  const std::vector<StudyAnswer> read = ReadStudyAnswers(folder.Write("answers.csv",
+    "view,point,column,row,x,y,z\nCC,7,1.500,-2.250,3.000,4.000,-5.125\n"));
   ASSERT_EQ(read.size(), 1u);
   EXPECT_EQ(read[0].View, "CC");
   EXPECT_EQ(read[0].Point, 7u);
