@@ -192,6 +192,7 @@ std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landm
     methods.push_back(errors);
   };
   std::vector<Vector3> points;
+  points.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks)
   {
     points.push_back(landmark.Uncompressed);

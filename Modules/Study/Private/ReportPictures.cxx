@@ -155,11 +155,14 @@ std::vector<float> Resample(const ReceptorGrid& grid, const std::vector<float>& 
       for (std::size_t x = 0; x < width; ++x)
       {
         double sum = 0;
-        for (int s = 0; s < samples * samples; ++s)
+        for (int row = 0; row < samples; ++row)
         {
-          sum += ValueAt(grid, image,
-            hanging.ToGantry(static_cast<double>(x) + (s % samples + 0.5) / samples,
-              static_cast<double>(y) + (s / samples + 0.5) / samples));
+          for (int column = 0; column < samples; ++column)
+          {
+            sum += ValueAt(grid, image,
+              hanging.ToGantry(static_cast<double>(x) + (column + 0.5) / samples,
+                static_cast<double>(y) + (row + 0.5) / samples));
+          }
         }
         result[y * width + x] = static_cast<float>(sum / (samples * samples));
       }
@@ -361,6 +364,7 @@ std::string AnswerLines(const RegistrationReport& report, const ReceptorGrid& gr
     for (const auto& outline : place.Outlines)
     {
       std::vector<ReceptorPoint> receptor;
+      receptor.reserve(outline.size());
       for (const auto& [column, row] : outline)
       {
         receptor.push_back(grid.PositionOf(column, row));

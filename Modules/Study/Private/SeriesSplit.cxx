@@ -113,6 +113,7 @@ std::vector<Slices> SplitPhases(const Slices& slices)
         { return GroupBy(part.second, LayerOf).size() == part.second.size(); }))
     {
       std::vector<Slices> phases;
+      phases.reserve(parts.size());
       for (auto& [value, part] : parts)
       {
         phases.push_back(std::move(part));

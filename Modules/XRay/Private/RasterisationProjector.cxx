@@ -312,8 +312,8 @@ FieldBatch RasterisationProjector::NextBatch(const VectorFields& velocities, int
   FieldBatch batch{ next, std::min(atOnce, static_cast<int>(velocities.Count()) - next) };
   for (int field = 0; field < batch.Count; ++field)
   {
-    const double speed = LargestSpeed(velocities[static_cast<std::size_t>(next + field)]);
     const auto index = static_cast<std::size_t>(field);
+    const double speed = LargestSpeed(velocities[static_cast<std::size_t>(next) + index]);
     batch.Factor[index] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
     batch.Unit[index] = speed / MAMMORAY_RASTER_RATE_UNITS;
   }
