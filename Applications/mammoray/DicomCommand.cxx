@@ -137,7 +137,7 @@ void Run(DicomArguments& arguments)
   {
     arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
   }
-  CheckNewFolder(arguments.Output);
+  ReserveEmptyFolder(arguments.Output);
   WriteFolder(arguments, result);
 }
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ArchiveOptions.h"
 #include "Commands.h"
-#include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <cstdio>
 #include <string>
@@ -35,7 +35,7 @@ void Declare(const OptionList& add, FetchArguments& arguments)
 void Run(FetchArguments& arguments)
 {
   SetAddress(arguments.Node, arguments.Pacs);
-  CheckNewFolder(arguments.Output);
+  ReserveEmptyFolder(arguments.Output);
   std::vector<ArchivedStudy> studies;
   for (const std::string& accession : arguments.Accessions)
   {

@@ -154,7 +154,10 @@ void ParseCase(MeshArguments& arguments)
 
 void CheckReportFiles(const MeshArguments& arguments)
 {
-  CheckOutputFileIfAny(arguments.Report);
+  if (!arguments.Report.empty())
+  {
+    CheckOutputFile(arguments.Report);
+  }
   CheckPictureFile(arguments.CutPicture);
 }
 

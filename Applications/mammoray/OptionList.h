@@ -389,7 +389,7 @@ Command* AddCommand(CLI::App& application, const std::string& name, const std::s
   command->callback(
     [command = command.get(), arguments, run]()
     {
-      NoteGiven(*command);
+      NoteInputs(*command);
       run(*arguments);
     });
   return command.get();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "OutputFiles.h"
 
+#include "OptionList.h"
 #include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
@@ -8,11 +9,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 namespace mammoray
@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/// The files and folders that options of the running command name.
-std::vector<fs::path>& GivenPaths()
+/// The files and folders that options of the running command name as inputs.
+std::vector<fs::path>& Inputs()
 {
   static std::vector<fs::path> paths;
   return paths;
@@ -31,40 +31,39 @@ std::vector<fs::path>& GivenPaths()
 bool IsWithin(const fs::path& path, const fs::path& folder)
 {
   std::error_code ignored; // long names and circular links
-  const fs::path inner = fs::weakly_canonical(path, ignored);
-  const fs::path outer = fs::weakly_canonical(folder, ignored);
-  return !outer.empty() && inner != outer &&
-    std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  const fs::path inner = fs::relative(path, folder, ignored);
+  return !inner.empty() && inner != "." && *inner.begin() != "..";
 }
 
-/// Throws InputError if the existing file is given more than `times` times, or is read as part of a
-/// given folder.
-void CheckIsNoInput(const fs::path& path, int times)
+/// Throws InputError if the existing file is an input or is read as part of an input folder.
+void CheckIsNoInput(const fs::path& path)
 {
   const bool isReadInFolders =
     IsFileOfResult(path.filename().string()) || path.extension() == ".dcm";
-  for (const fs::path& given : GivenPaths())
+  for (const fs::path& input : Inputs())
   {
     std::error_code ignored;
-    times -= fs::equivalent(given, path, ignored) ? 1 : 0;
-    if (times < 0 || (isReadInFolders && fs::is_directory(given, ignored) && IsWithin(path, given)))
+    if (fs::equivalent(input, path, ignored) || (isReadInFolders && IsWithin(path, input)))
     {
       throw InputError("output " + path.string() +
-        ": expected a file that is not an input, found one of " + given.string());
+        ": expected a file that is not an input, found one of " + input.string());
     }
   }
 }
 }
 
-void NoteGiven(const CLI::App& command)
+void NoteInputs(const CLI::App& command)
 {
-  GivenPaths().clear();
+  Inputs().clear();
   for (const CLI::Option* option : command.get_options({}))
   {
-    std::error_code ignored;
-    std::copy_if(option->results().begin(), option->results().end(),
-      std::back_inserter(GivenPaths()),
-      [&](const std::string& given) { return fs::exists(given, ignored); });
+    const std::string type = option->get_type_name();
+    if (type == FileTypeName || type == InputTypeName)
+    {
+      std::error_code ignored;
+      std::copy_if(option->results().begin(), option->results().end(), std::back_inserter(Inputs()),
+        [&](const std::string& path) { return fs::exists(path, ignored); });
+    }
   }
 }
 
@@ -92,12 +91,11 @@ void CheckOutputPlace(const std::string& path)
   require(!path.empty(), "expected a file name, found an empty one");
   const fs::path folder = fs::absolute(path).parent_path();
   require(fs::is_directory(folder), "there is no folder " + folder.string());
-  require(access(folder.c_str(), W_OK) == 0, "the folder " + folder.string() + " is not writable");
   require(!fs::is_directory(path), "expected a file name, found a folder");
   require(Program().Overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
   if (fs::exists(path))
   {
-    CheckIsNoInput(path, 1); // the option of the output itself
+    CheckIsNoInput(path);
   }
 }
 
@@ -114,23 +112,6 @@ void CheckOutputFile(const std::string& path, const std::string& extension, cons
   }
 }
 
-void CheckOutputFileIfAny(const std::string& path)
-{
-  if (!path.empty())
-  {
-    CheckOutputFile(path);
-  }
-}
-
-void CheckOutputBeside(const std::string& path)
-{
-  if (fs::exists(path))
-  {
-    CheckIsNoInput(path, 0);
-  }
-  CheckOutputFile(path);
-}
-
 void CheckPictureFile(const std::string& path)
 {
   if (!path.empty())
@@ -139,22 +120,13 @@ void CheckPictureFile(const std::string& path)
   }
 }
 
-void CheckNewFolder(const std::string& path)
-{
-  if (path.empty())
-  {
-    throw InputError("output: expected a new or an empty folder, found no name");
-  }
-  ReserveEmptyFolder(path);
-}
-
 void CheckNoInputWithin(const std::string& folder)
 {
-  for (const fs::path& given : GivenPaths())
+  for (const fs::path& input : Inputs())
   {
-    if (IsWithin(given, folder))
+    if (IsWithin(input, folder))
     {
-      throw InputError("output " + folder + ": holds the input " + given.string() +
+      throw InputError("output " + folder + ": holds the input " + input.string() +
         ", which would be replaced with it");
     }
   }

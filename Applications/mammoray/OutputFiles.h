@@ -15,13 +15,14 @@ namespace mammoray
 /// Throws InputError unless the file exists and can be read.
 void CheckInputFile(const std::string& path);
 
-/// Keeps the paths that options of the command name: an output must not be an input as well.
-void NoteGiven(const CLI::App& command);
+/// Keeps the files and folders that options of the command name as inputs, from their types
+/// (FileTypeName, InputTypeName): an output must not be an input as well.
+void NoteInputs(const CLI::App& command);
 
 /**
- * Throws InputError unless `path` can become an output file: its folder exists and is writable,
- * nothing is there yet or --overwrite is given, and it is neither an input nor a file of the result
- * or DICOM folder that is read.
+ * Throws InputError unless `path` can become an output file: its folder exists, nothing is there
+ * yet or --overwrite is given, and it is neither an input nor a file of the result or DICOM folder
+ * that is read.
  */
 void CheckOutputPlace(const std::string& path);
 
@@ -33,19 +34,10 @@ void CheckOutputPlace(const std::string& path);
 void CheckOutputFile(const std::string& path, const std::string& extension = "",
   const std::string& kind = "");
 
-/// CheckOutputFile unless the path is empty.
-void CheckOutputFileIfAny(const std::string& path);
-
-/// CheckOutputFile for an output that no option names because it is written beside another one.
-void CheckOutputBeside(const std::string& path);
-
 /// CheckOutputFile for a picture (.png) unless the path is empty.
 void CheckPictureFile(const std::string& path);
 
-/// Reserves a folder (ReserveFolder); throws InputError unless it is new or empty.
-void CheckNewFolder(const std::string& path);
-
-/// Throws InputError if the folder, which will be replaced, holds a path that an option names.
+/// Throws InputError if the folder, which will be replaced, holds an input.
 void CheckNoInputWithin(const std::string& folder);
 
 /// Returns "scan_low.mha" for "scan.mha" and "_low", the path of an output beside another.

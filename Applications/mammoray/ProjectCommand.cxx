@@ -169,8 +169,8 @@ void CheckOutputs(const ProjectArguments& arguments)
       throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
                        "refraction, found another");
     }
-    CheckOutputBeside(BesideOutput(arguments.Output, "_low"));
-    CheckOutputBeside(BesideOutput(arguments.Output, "_high"));
+    CheckOutputFile(BesideOutput(arguments.Output, "_low"));
+    CheckOutputFile(BesideOutput(arguments.Output, "_high"));
   }
   const bool isDicom = IsDicomPath(arguments.Output);
   if (arguments.Series.IsAsked() &&
@@ -180,10 +180,10 @@ void CheckOutputs(const ProjectArguments& arguments)
   }
   if (arguments.Series.IsAsked() && !isDicom)
   {
-    CheckOutputBeside(SeriesDescriptionPath(arguments.Output));
+    CheckOutputFile(SeriesDescriptionPath(arguments.Output));
     if (arguments.Series.FlatFields > 0)
     {
-      CheckOutputBeside(FlatFieldPath(arguments.Output));
+      CheckOutputFile(FlatFieldPath(arguments.Output));
     }
   }
   else if (isDicom)

@@ -27,43 +27,45 @@ namespace
 {
 namespace fs = std::filesystem;
 
-[[noreturn]] void RefuseToWrite(const std::string& path, const std::error_code& reason)
-{
-  throw InputError(path + ": cannot be written (" + reason.message() + ")");
-}
-
-/// Throws InputError with the reason in errno unless a system call succeeded.
-void Require(bool succeeded, const std::string& path)
+/// Throws std::system_error with the reason in errno unless a system call succeeded.
+void Require(bool succeeded)
 {
   if (!succeeded)
   {
-    RefuseToWrite(path, std::error_code(errno, std::generic_category()));
+    throw std::system_error(errno, std::generic_category());
   }
 }
 
-int OpenFolder(const fs::path& folder)
+/// Calls `action` and turns errors of the system into an InputError that names the path.
+template <typename Action>
+auto Checked(const std::string& path, const Action& action)
 {
-  return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  try
+  {
+    return action();
+  }
+  catch (const std::system_error& error)
+  {
+    throw InputError(path + ": cannot be written (" + error.code().message() + ")");
+  }
 }
 
 /// Makes the names in a folder durable. Some file systems cannot, which is no error.
 void Synchronise(const fs::path& folder)
 {
-  fsync(OwnedDescriptor(OpenFolder(folder)).Get());
+  fsync(OwnedDescriptor(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).Get());
 }
 
 /// The absolute path, without a trailing slash, that symbolic links lead to.
 fs::path ResolvedPlace(const std::string& path)
 {
-  std::error_code ignored;
-  const auto named = [](const fs::path& place)
-  { return place.has_filename() ? place : place.parent_path(); };
-  fs::path place = named(fs::absolute(path));
-  for (int links = 0; fs::is_symlink(place, ignored) && links < 40; ++links)
+  fs::path place = fs::absolute(path);
+  // weakly_canonical does not follow a link to a file that is still to be written.
+  for (int links = 0; fs::is_symlink(place) && links < 40; ++links)
   {
-    place = place.parent_path() / fs::read_symlink(place, ignored);
+    place = place.parent_path() / fs::read_symlink(place);
   }
-  return named(fs::weakly_canonical(place, ignored));
+  return (fs::weakly_canonical(place) / "").parent_path();
 }
 
 /// True if the folder cannot be replaced by a rename but can be filled, as a mount point.
@@ -76,38 +78,20 @@ bool IsFixed(const fs::path& folder)
         (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0));
 }
 
-/// The locked partial file or folder of an output; removed unless it is committed.
+/// The locked partial file or folder of an output; removed unless it is renamed into its place.
 class Reservation
 {
 public:
   Reservation(const std::string& path, bool isFolder)
-    : Path(path)
-    , IsFolder(isFolder)
-    , Place(ResolvedPlace(path))
+    : Place(ResolvedPlace(path))
     , IsWithin(isFolder && IsFixed(this->Place))
     , Partial(this->Place.string() + (this->IsWithin ? "/.partial" : ".partial"))
-    , Locked(this->Lock())
+    , Locked(this->Lock(path, isFolder))
   {
-  }
-  Reservation(const Reservation&) = delete;
-  Reservation& operator=(const Reservation&) = delete;
-  ~Reservation()
-  {
-    std::error_code ignored;
-    if (!this->IsCommitted)
+    // A killed process may have left something.
+    if (!isFolder)
     {
-      fs::remove_all(this->Partial, ignored);
-    }
-  }
-
-  std::string PartialPath() const { return this->Partial.string(); }
-
-  /// Removes what a killed process left.
-  void Empty() const
-  {
-    if (!this->IsFolder)
-    {
-      Require(ftruncate(this->Locked.Get(), 0) == 0, this->Path);
+      Require(ftruncate(this->Locked.Get(), 0) == 0);
       return;
     }
     for (const fs::directory_entry& entry : fs::directory_iterator(this->Partial))
@@ -115,21 +99,29 @@ public:
       fs::remove_all(entry.path());
     }
   }
+  Reservation(const Reservation&) = delete;
+  Reservation& operator=(const Reservation&) = delete;
+  ~Reservation()
+  {
+    std::error_code ignored;
+    if (!this->IsRenamed)
+    {
+      fs::remove_all(this->Partial, ignored);
+    }
+  }
+
+  std::string PartialPath() const { return this->Partial.string(); }
 
   void WriteFile(std::string_view bytes)
   {
-    this->Empty();
     while (!bytes.empty())
     {
       const ssize_t count = write(this->Locked.Get(), bytes.data(), bytes.size());
-      Require(count >= 0 || errno == EINTR, this->Path);
-      bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+      Require(count >= 0);
+      bytes.remove_prefix(static_cast<std::size_t>(count));
     }
-    Require(fsync(this->Locked.Get()) == 0 &&
-        rename(this->Partial.c_str(), this->Place.c_str()) == 0,
-      this->Path);
-    this->IsCommitted = true;
-    Synchronise(this->Place.parent_path());
+    Require(fsync(this->Locked.Get()) == 0);
+    this->Rename();
   }
 
   /// Puts the folder, whose files are durable, into its place.
@@ -149,80 +141,76 @@ public:
       {
         fs::rename(entry.path(), this->Place / entry.path().filename());
       }
+      Synchronise(this->Place);
     }
-    else if (fs::exists(this->Place))
+    else if (!fs::exists(this->Place))
     {
-      this->Exchange();
+      this->Rename();
     }
     else
     {
-      fs::rename(this->Partial, this->Place);
-      this->IsCommitted = true;
+      this->Exchange();
     }
-    Synchronise(this->IsWithin ? this->Place : this->Place.parent_path());
   }
 
 private:
-  int Lock() const
+  int Lock(const std::string& path, bool isFolder) const
   {
-    if (fs::exists(this->Place) &&
-      (this->IsFolder ? !fs::is_directory(this->Place) : !fs::is_regular_file(this->Place)))
+    const auto require = [&](bool condition, const std::string& otherwise)
     {
-      throw InputError(this->Path + ": expected a " + (this->IsFolder ? "folder" : "file") +
+      if (!condition)
+      {
+        throw InputError("output " + path + ": " + otherwise);
+      }
+    };
+    require(!fs::exists(this->Place) ||
+        (isFolder ? fs::is_directory(this->Place) : fs::is_regular_file(this->Place)),
+      std::string("expected a ") + (isFolder ? "folder" : "file") +
         " to replace, found something else");
-    }
-    const auto isOurs = [&](const fs::path& entry) { return entry == this->Partial; };
-    if (this->IsWithin &&
-      !std::all_of(fs::directory_iterator(this->Place), fs::directory_iterator(), isOurs))
-    {
-      throw InputError("output " + this->Path +
-        ": is a mount point or in a folder that is not "
-        "writable: expected it to be empty");
-    }
-    Require(!this->IsFolder || mkdir(this->Partial.c_str(), 0777) == 0 || errno == EEXIST,
-      this->Path);
-    const int flags = this->IsFolder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
+    require(!this->IsWithin ||
+        std::all_of(fs::directory_iterator(this->Place), fs::directory_iterator(),
+          [&](const fs::path& entry) { return entry == this->Partial; }),
+      "is a mount point or in a folder that is not writable: expected it to be empty");
+    Require(!isFolder || mkdir(this->Partial.c_str(), 0777) == 0 || errno == EEXIST);
+    const int flags = isFolder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
     const int opened = open(this->Partial.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
-    Require(opened >= 0, this->Path);
+    Require(opened >= 0);
     // File systems without locks report other errors. Who held the lock may have renamed the file.
     const bool isTaken = flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    if (isTaken || !fs::equivalent("/proc/self/fd/" + std::to_string(opened), this->Partial))
-    {
-      close(opened);
-      throw InputError(
-        "output " + this->Path + ": another run is writing it (" + this->Partial.string() + ")");
-    }
+    require(!isTaken && fs::equivalent("/proc/self/fd/" + std::to_string(opened), this->Partial),
+      this->Partial.string() + ": another run is writing it");
     return opened;
   }
 
-  /// Exchanges the new folder for the old one in one step, or in two if the file system has no
-  /// exchange, and removes the old one.
-  void Exchange()
+  void Rename()
   {
-    const OwnedDescriptor old(OpenFolder(this->Place));
-    flock(old.Get(), LOCK_EX | LOCK_NB);
-    fs::path removed = this->Partial;
+    fs::rename(this->Partial, this->Place);
+    this->IsRenamed = true;
+    Synchronise(this->Place.parent_path());
+  }
+
+  /// Exchanges the new folder for the old one, in one step if the file system can. The old one is
+  /// then the partial folder, which is removed.
+  void Exchange() const
+  {
     if (renameat2(AT_FDCWD, this->Partial.c_str(), AT_FDCWD, this->Place.c_str(),
           RENAME_EXCHANGE) != 0)
     {
-      Require(errno == EINVAL || errno == ENOSYS, this->Path);
-      removed = this->Place.string() + ".replaced";
-      fs::remove_all(removed);
-      fs::rename(this->Place, removed);
+      Require(errno == EINVAL || errno == ENOSYS);
+      const fs::path replaced = this->Place.string() + ".replaced";
+      fs::remove_all(replaced);
+      fs::rename(this->Place, replaced);
       fs::rename(this->Partial, this->Place);
+      fs::rename(replaced, this->Partial);
     }
-    this->IsCommitted = true;
-    std::error_code ignored; // the next run removes what is left
-    fs::remove_all(removed, ignored);
+    Synchronise(this->Place.parent_path());
   }
 
-  const std::string Path;
-  const bool IsFolder;
   const fs::path Place;
   const bool IsWithin; ///< The new contents are moved into the place.
   const fs::path Partial;
   const OwnedDescriptor Locked;
-  bool IsCommitted = false;
+  bool IsRenamed = false;
 };
 
 /// Returns the reservation of the path, empty if this process has none, from a list of all of them.
@@ -232,20 +220,6 @@ std::unique_ptr<Reservation>& HeldReservation(const std::string& path)
   static std::map<fs::path, std::unique_ptr<Reservation>> held;
   const std::lock_guard<std::mutex> guard(mutex);
   return held[ResolvedPlace(path)];
-}
-
-/// Calls `action` and turns its exceptions of the file system into ours.
-template <typename Action>
-auto Checked(const std::string& path, const Action& action)
-{
-  try
-  {
-    return action();
-  }
-  catch (const fs::filesystem_error& error)
-  {
-    RefuseToWrite(path, error.code());
-  }
 }
 
 bool Reserve(const std::string& path, bool isFolder)
@@ -302,19 +276,18 @@ void WriteAtomicFile(const std::string& path,
   const OwnedDescriptor memory(memfd_create("mammoray", MFD_CLOEXEC));
   const ScratchFolder scratch;
   const std::string staged = scratch.File(fs::path(path).filename().string());
-  const std::string link = "/proc/self/fd/" + std::to_string(memory.Get());
-  Require(symlink(link.c_str(), staged.c_str()) == 0, path);
   UseReservation(path, false,
     [&](Reservation& reservation)
     {
+      fs::create_symlink("/proc/self/fd/" + std::to_string(memory.Get()), staged);
       write(staged);
       const auto size = static_cast<std::size_t>(lseek(memory.Get(), 0, SEEK_END));
       rlimit limit = {};
       getrlimit(RLIMIT_FSIZE, &limit);
-      errno = size == 0 ? EIO : EFBIG; // the limit has cut what the library wrote
-      Require(size > 0 && size < limit.rlim_cur, path);
+      errno = EFBIG; // the limit has cut what the library wrote
+      Require(size < limit.rlim_cur);
       void* const start = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, memory.Get(), 0);
-      Require(start != MAP_FAILED, path);
+      Require(start != MAP_FAILED); // as where nothing was written
       const std::unique_ptr<void, std::function<void(void*)>> bytes(start,
         [size](void* mapped) { munmap(mapped, size); });
       reservation.WriteFile({ static_cast<const char*>(start), size });
@@ -327,7 +300,6 @@ void WriteAtomicFolder(const std::string& path,
   UseReservation(path, true,
     [&](Reservation& reservation)
     {
-      reservation.Empty();
       write(reservation.PartialPath());
       reservation.CommitFolder();
     });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "OptionList.h"
 #include "OutputFiles.h"
 #include "ProgramOptions.h"
 #include "mammoray/Foundation/Error.h"
@@ -23,16 +24,16 @@ protected:
   void TearDown() override { Program().Overwrite = false; }
 
   /// As a command does before it runs.
-  static void Give(const std::vector<std::string>& values)
+  static void Give(const std::vector<std::string>& values, const std::string& type = InputTypeName)
   {
     CLI::App command;
     std::vector<std::string> taken;
-    command.add_option("--given", taken);
+    command.add_option("--given", taken)->type_name(type);
     std::vector<std::string> words{ "--given" };
     words.insert(words.end(), values.begin(), values.end());
     std::reverse(words.begin(), words.end()); // CLI11 takes them from the end
     command.parse(words);
-    NoteGiven(command);
+    NoteInputs(command);
   }
 
   test::TemporaryFolder Folder;
@@ -68,8 +69,10 @@ TEST_F(OutputFiles, AnInputIsNeverAnOutput)
   const std::string result = this->Folder.Write("result/result.json", "{}");
   fs::create_hard_link(image, this->Folder.File("linked.dcm"));
   fs::create_symlink(image, this->Folder.File("symbolic.dcm"));
+  this->Give({ image }, "TEXT");
+  EXPECT_NO_THROW(CheckOutputPlace(image)); // the option of an output
   this->Give({ image, this->Folder.File("result") });
-  EXPECT_NO_THROW(CheckOutputPlace(image)); // only itself
+  EXPECT_THROW(CheckOutputPlace(image), InputError);
   EXPECT_NO_THROW(CheckOutputPlace(table));
   EXPECT_THROW(CheckOutputPlace(result), InputError);
   EXPECT_NO_THROW(CheckOutputPlace(this->Folder.File("result/report.html"))); // is not there
