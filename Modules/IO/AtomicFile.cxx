@@ -27,6 +27,9 @@ namespace
 {
 namespace fs = std::filesystem;
 
+/// The end of a partial file's name, and the name of a partial folder in a place that is fixed.
+constexpr const char* PartialName = ".partial";
+
 /// Throws std::system_error with the reason in errno unless a system call succeeded.
 void Require(bool succeeded)
 {
@@ -85,7 +88,7 @@ public:
   Reservation(const std::string& path, bool isFolder)
     : Place(ResolvedPlace(path))
     , IsWithin(isFolder && IsFixed(this->Place))
-    , Partial(this->Place.string() + (this->IsWithin ? "/.partial" : ".partial"))
+    , Partial(this->Place.string() + (this->IsWithin ? "/" : "") + PartialName)
     , Locked(this->Lock(path, isFolder))
   {
     // A killed process may have left something.
@@ -167,9 +170,7 @@ private:
         (isFolder ? fs::is_directory(this->Place) : fs::is_regular_file(this->Place)),
       std::string("expected a ") + (isFolder ? "folder" : "file") +
         " to replace, found something else");
-    require(!this->IsWithin ||
-        std::all_of(fs::directory_iterator(this->Place), fs::directory_iterator(),
-          [&](const fs::path& entry) { return entry == this->Partial; }),
+    require(!this->IsWithin || IsEmptyFolder(this->Place.string()),
       "is a mount point or in a folder that is not writable: expected it to be empty");
     Require(!isFolder || mkdir(this->Partial.c_str(), 0777) == 0 || errno == EEXIST);
     const int flags = isFolder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
@@ -254,10 +255,18 @@ bool ReserveFolder(const std::string& path)
   return Reserve(path, true);
 }
 
+bool IsEmptyFolder(const std::string& path)
+{
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) &&
+    std::all_of(fs::directory_iterator(path, ignored), fs::directory_iterator(),
+      [](const fs::path& entry) { return entry.filename() == PartialName; });
+}
+
 void ReserveEmptyFolder(const std::string& path)
 {
-  std::error_code problem;
-  if (fs::exists(path, problem) && !fs::is_empty(path, problem))
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !IsEmptyFolder(path))
   {
     throw InputError(
       "output " + path + ": expected a new or an empty folder, found one with files");

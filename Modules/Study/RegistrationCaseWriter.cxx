@@ -381,8 +381,7 @@ void CheckResultFolder(const std::string& path, bool overwrite)
 {
   const fs::path folder(path);
   const std::string output = "output " + path + ": ";
-  const bool isEmpty = fs::is_directory(folder) && fs::is_empty(folder);
-  if (fs::exists(folder) && !isEmpty)
+  if (fs::exists(folder) && !IsEmptyFolder(path))
   {
     if (!overwrite)
     {

@@ -321,6 +321,7 @@ TEST_F(WrittenCase, AMountPointIsFilledOrRefused)
   }
   try
   {
+    CheckResultFolder(folder, false); // before the work
     WriteRegistrationCase(this->Input, this->Result, folder);
     EXPECT_EQ(ReadResultFile(folder).Anchor, this->Result.Anchor);
     EXPECT_FALSE(fs::exists(folder + "/.partial"));
