@@ -200,13 +200,17 @@ void BlurAlong(const RasterShape& shape, int axis, const std::vector<double>& ke
       const std::size_t middle = (kernel.size() - 1) * lanes;
       for (std::size_t n = 0; n < result.size(); ++n)
       {
-        double sum = kernel[0] * padded[n + middle];
-        for (std::size_t tap = 1; tap < kernel.size(); ++tap)
+        result[n] = kernel[0] * padded[n + middle];
+      }
+      // Tap by tap, so that processors add several pixels at once.
+      for (std::size_t tap = 1; tap < kernel.size(); ++tap)
+      {
+        const double* const before = padded.data() + middle - tap * lanes;
+        const double* const after = padded.data() + middle + tap * lanes;
+        for (std::size_t n = 0; n < result.size(); ++n)
         {
-          sum +=
-            kernel[tap] * (padded[n + middle - tap * lanes] + padded[n + middle + tap * lanes]);
+          result[n] += kernel[tap] * (before[n] + after[n]);
         }
-        result[n] = sum;
       }
       return true;
     });
