@@ -3,6 +3,7 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "Files.h"
+#include "ShippedPhantom.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
@@ -21,16 +22,14 @@
 #include <thread>
 
 using namespace mammoray;
+using test::Labels;
+using test::MammogramFile;
+using test::Materials;
 using test::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
 {
-const std::string Data = test::DataFolder();
-const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
-const std::string Materials = Data + "/materials/victre.json";
-const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
-
 class RegisterCommand : public test::CommandTest
 {
 protected:

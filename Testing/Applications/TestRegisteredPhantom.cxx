@@ -4,6 +4,7 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "Files.h"
+#include "ShippedPhantom.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -33,16 +34,15 @@
 #include <sstream>
 
 using namespace mammoray;
+using test::Data;
+using test::Labels;
+using test::MammogramFile;
+using test::Materials;
 using test::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
 {
-const std::string Data = test::DataFolder();
-const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
-const std::string Materials = Data + "/materials/victre.json";
-const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
-
 /// Label 3 in voxels of 0.4 mm.
 LabelVolume Ball(const Vector3& centre, double radius)
 {
