@@ -141,9 +141,9 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   UnitPlacement placement;
   placement.Axes = AnatomicalAxes::FromCode(input.Orientation);
   placement.Unit = input.Unit;
-  const std::vector<bool> held = result.Materials.Fixed();
-  placement.Anchor = volume ? FindPoseAnchor(*volume, held, placement.Axes)
-                            : FindPoseAnchor(mesh, held, placement.Axes);
+  const std::vector<bool> fixed = result.Materials.Fixed();
+  placement.Anchor = volume ? FindPoseAnchor(*volume, fixed, placement.Axes)
+                            : FindPoseAnchor(mesh, fixed, placement.Axes);
   BreastPose pose = input.Pose;
   pose.RollDeg += RollOfView(input);
 

@@ -129,7 +129,7 @@ vtkSmartPointer<vtkUnstructuredGrid> CompressionGrids::At(const CompressionState
   {
     const std::size_t own =
       this->Middles ? static_cast<std::size_t>(this->Middles->Cells()[cell]) : cell;
-    // Corners alone can turn over in a quadratic cell that has not: at the border of the held
+    // Corners alone can turn over in a quadratic cell that has not: at the border of the fixed
     // tissue mostly.
     const double ratio =
       deformed ? deformed->CellVolume(cell) / this->Carried->CellVolume(cell) : measures[own].J;

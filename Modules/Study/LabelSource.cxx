@@ -58,7 +58,7 @@ LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
       "skin: expected THICKNESS or THICKNESS=MATERIAL in mm, for example 1.5=skin, found '" + text +
       "'");
   }
-  const std::vector<bool> held = table.Fixed();
+  const std::vector<bool> fixed = table.Fixed();
   const std::vector<int> thin = table.Thin();
   if (equals == std::string::npos && thin.size() != 1)
   {
@@ -67,7 +67,7 @@ LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
   }
   const int skin =
     equals == std::string::npos ? thin.front() : table.IndexOf(text.substr(equals + 1));
-  return AddSkin(materials, thicknessMm, skin, held);
+  return AddSkin(materials, thicknessMm, skin, fixed);
 }
 
 /// Without what lies beyond the tissue at some sides.

@@ -45,8 +45,8 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
   tissue.Labels = std::move(found.Labels);
   tissue.Mri = std::move(found.Corrected);
   const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
-  const std::vector<bool> held = table.Fixed();
-  tissue.Breast = KeepBreast(all, held, AnatomicalAxes());
+  const std::vector<bool> fixed = table.Fixed();
+  tissue.Breast = KeepBreast(all, fixed, AnatomicalAxes());
   // Beside the breast, in front of the chest wall, the plates push what was cut before them.
   tissue.Cut = CutTissue(all, all, table, { PosteriorSide(all) });
   const std::vector<int> gland = table.Glandular();
@@ -54,7 +54,7 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
   for (const auto& [material, count] : tissue.Breast.CountLabels())
   {
     const double cm3 = static_cast<double>(count) * tissue.Breast.VoxelVolume() / 1000;
-    tissue.BreastCm3 += material != 0 && !held[material] ? cm3 : 0;
+    tissue.BreastCm3 += material != 0 && !fixed[material] ? cm3 : 0;
     glandCm3 += std::find(gland.begin(), gland.end(), material) != gland.end() ? cm3 : 0;
   }
   tissue.GlandFraction = glandCm3 / std::max(tissue.BreastCm3, 1e-9);
@@ -140,7 +140,7 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   input.Materials = input.Materials.empty() ? StudyMaterials : input.Materials;
   input.Orientation = "LPS";
   input.ImagePosition = choice.Position;
-  // The pectoral muscle lets the breast glide; held there, it could not follow the plates.
+  // The pectoral muscle lets the breast glide; fixed there, it could not follow the plates.
   input.ChestWall = ChestWallMode::Sliding;
   input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
   input.RollSigmaDeg = StudyRollSigmaDeg;

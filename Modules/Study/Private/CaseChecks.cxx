@@ -33,8 +33,8 @@ bool IsOfOtherBreast(const std::string& direction, char laterality)
   return tells && has('H') != has(laterality);
 }
 
-/// Extent of tissue along a direction, mm. `all`: with what is held.
-Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::vector<bool>& held,
+/// Extent of tissue along a direction, mm. `all`: including fixed tissue.
+Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::vector<bool>& fixed,
   bool all = false)
 {
   Extent extent;
@@ -42,7 +42,7 @@ Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::v
     [&](int i, int j, int k, std::size_t voxel)
     {
       const int material = volume.Voxels[voxel];
-      if (material != 0 && (all || !held[static_cast<std::size_t>(material)]))
+      if (material != 0 && (all || !fixed[static_cast<std::size_t>(material)]))
       {
         extent.Add(Dot(volume.PointAt(i, j, k), direction));
       }
@@ -50,8 +50,8 @@ Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::v
   return extent;
 }
 
-/// From the middle of what is held to the middle of what is not. Absent if one is missing.
-std::optional<Vector3> HeldToFree(const LabelVolume& volume, const std::vector<bool>& held)
+/// From the middle of fixed tissue to that of the rest; nullopt if either is missing.
+std::optional<Vector3> FixedToFree(const LabelVolume& volume, const std::vector<bool>& fixed)
 {
   std::array<Vector3, 2> sums{};
   std::array<double, 2> counts{};
@@ -60,7 +60,7 @@ std::optional<Vector3> HeldToFree(const LabelVolume& volume, const std::vector<b
     {
       if (const int material = volume.Voxels[voxel]; material != 0)
       {
-        const std::size_t which = held[static_cast<std::size_t>(material)] ? 0 : 1;
+        const std::size_t which = fixed[static_cast<std::size_t>(material)] ? 0 : 1;
         sums[which] = sums[which] + volume.PointAt(i, j, k);
         counts[which] += 1;
       }
@@ -218,13 +218,13 @@ void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
 }
 
 void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
-  const std::vector<bool>& held, const AnatomicalAxes& axes, char laterality)
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes, char laterality)
 {
   if (input.Labels.AcceptUnusual)
   {
     return;
   }
-  const std::optional<Vector3> way = HeldToFree(materials, held);
+  const std::optional<Vector3> way = FixedToFree(materials, fixed);
   // A breast beside a body may lie mostly to the side of the body's middle, but never behind it.
   if (way && Dot(*way, axes.Anterior) < 0.3 * Norm(*way))
   {
@@ -234,16 +234,16 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
         Whole(Dot(*way, axes.Superior)) + " mm to the head of that",
       { "Orientation", input.Orientation, { "Orientation", "AcceptUnusual" } });
   }
-  const LabelVolume kept = KeepBreast(materials, held, axes);
+  const LabelVolume kept = KeepBreast(materials, fixed, axes);
   for (const Vector3& direction : { axes.Left, axes.Superior })
   {
-    const Extent breast = ReachOf(kept, direction, held);
+    const Extent breast = ReachOf(kept, direction, fixed);
     if (breast.Length() >= 0)
     {
       CheckUsual(input, ValidRanges::BreastWidth, breast.Length(), PathOfTissue(input), "Crop");
     }
   }
-  CheckSide(input, ReachOf(kept, axes.Left, held), ReachOf(materials, axes.Left, held, true),
+  CheckSide(input, ReachOf(kept, axes.Left, fixed), ReachOf(materials, axes.Left, fixed, true),
     laterality);
 }
 

@@ -198,7 +198,7 @@ std::string ParametersHtml(const RegistrationReport& report)
   std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
                      "<th class=\"number\">Found</th><th class=\"number\">± (1 SD)</th>"
                      "<th class=\"number\">By the header</th>"
-                     "<th class=\"number wide\">± with what is held</th>"
+                     "<th class=\"number wide\">± including fixed parameters</th>"
                      "<th class=\"number wide\">Start</th><th class=\"number wide\">Allowed</th>"
                      "<th>Unit</th><th></th></tr>\n";
   for (std::size_t i = 0; i < result.Parameters.size(); ++i)
@@ -218,7 +218,7 @@ std::string ParametersHtml(const RegistrationReport& report)
           : NumberText(parameter.Lower, 1) + " … " + NumberText(parameter.Upper, 1),
         "number wide") +
       "<td>" + Escape(UnitText(parameter.Unit)) + "</td><td>" +
-      (parameter.Fixed                           ? "<span class=\"flag\">held fixed</span>"
+      (parameter.Fixed                           ? "<span class=\"flag\">fixed</span>"
           : AtBound(parameter, result.Values[i]) ? "<span class=\"flag\">at its bound</span>"
                                                  : "") +
       "</td></tr>\n";
@@ -227,7 +227,7 @@ std::string ParametersHtml(const RegistrationReport& report)
     "</table>\n<p class=\"hint\">± is the standard "
     "deviation by the covariance at the solution: it tells how sharply the pictures determine a "
     "parameter, not how well the model holds. The second one also counts what is not known of the "
-    "parameters that were held fixed: their allowance, and how far the others would have followed. "
+    "parameters that were fixed: their allowance, and how far the others would have followed. "
     "A positive rotation turns the X-ray source from "
     "above "
     "towards the patient's left.</p>\n</section>\n";
