@@ -3,10 +3,13 @@
 
 #include "Private/TriangleCrossing.h"
 #include "mammoray/Foundation/FaceTable.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <set>
+#include <utility>
 
 namespace mammoray
 {
@@ -14,6 +17,8 @@ namespace
 {
 /// Test lines per part.
 constexpr std::size_t LinesPerPart = 16;
+/// Number of parts between two reports of progress.
+constexpr std::size_t PartsAtOnce = 4096;
 /// Largest number of boxes; more are merged into one.
 constexpr std::size_t MostRegions = 64;
 
@@ -155,36 +160,66 @@ struct SurfaceParts
 /// The longest contradiction of each part whose surface bounds one.
 using PartContradictions = std::map<std::uint32_t, SurfaceContradiction>;
 
+void KeepLonger(SurfaceContradiction& known, const SurfaceContradiction& other)
+{
+  if (other.LengthMm > known.LengthMm)
+  {
+    known = other;
+  }
+}
+
+/// Follows lines through the triangles of one part. `hits` is working memory.
+void ProbePart(const SurfaceMesh& surface, const TriangleTree& tree, const SurfaceParts& parts,
+  std::size_t part, std::vector<LineHit>& hits, PartContradictions& found)
+{
+  // A direction along no axis and no diagonal, so that few lines graze faces.
+  const Vector3 skew{ 0.5257311, 0.2763932, 0.8045085 };
+  const Vector3 direction = (1 / Norm(skew)) * skew;
+  const std::vector<std::uint32_t>& triangles = parts.Triangles[part];
+  const std::size_t lines = std::min(LinesPerPart, triangles.size());
+  for (std::size_t line = 0; line < lines; ++line)
+  {
+    const Vector3 begin = CentreOf(surface, triangles[line * triangles.size() / lines]);
+    tree.CrossLine(begin, direction, hits);
+    ForEachContradiction(surface, begin, direction, hits,
+      [&](const LineHit& first, const LineHit& last, const SurfaceContradiction& stretch)
+      {
+        KeepLonger(found[parts.PartOf[first.Triangle]], stretch);
+        KeepLonger(found[parts.PartOf[last.Triangle]], stretch);
+      });
+  }
+}
+
 PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tree,
   const SurfaceParts& parts, const ProgressCallback& progress)
 {
   PartContradictions found;
-  // A direction along no axis and no diagonal, so that few lines graze faces.
-  const Vector3 skew{ 0.5257311, 0.2763932, 0.8045085 };
-  const Vector3 direction = (1 / Norm(skew)) * skew;
-  std::vector<LineHit> hits;
-  for (std::size_t part = 0; part < parts.Triangles.size(); ++part)
+  const std::size_t count = parts.Triangles.size();
+  for (std::size_t from = 0; from < count; from += PartsAtOnce)
   {
-    ReportProgress(progress, 0.5 * static_cast<double>(part) / parts.Triangles.size(),
+    ReportProgress(progress, 0.5 * static_cast<double>(from) / static_cast<double>(count),
       "looking for overlaps");
-    const std::vector<std::uint32_t>& triangles = parts.Triangles[part];
-    const std::size_t lines = std::min(LinesPerPart, triangles.size());
-    for (std::size_t line = 0; line < lines; ++line)
-    {
-      const Vector3 begin = CentreOf(surface, triangles[line * triangles.size() / lines]);
-      tree.CrossLine(begin, direction, hits);
-      ForEachContradiction(surface, begin, direction, hits,
-        [&](const LineHit& first, const LineHit& last, const SurfaceContradiction& stretch)
+    // Merged in the order of the parts, so that the first of equal lengths is kept.
+    std::map<std::size_t, PartContradictions> ranges;
+    std::mutex guard;
+    ParallelRanges(std::min(PartsAtOnce, count - from), 64,
+      [&](std::size_t begin, std::size_t end)
+      {
+        PartContradictions own;
+        std::vector<LineHit> hits;
+        for (std::size_t part = from + begin; part < from + end; ++part)
         {
-          for (const LineHit* end : { &first, &last })
-          {
-            SurfaceContradiction& known = found[parts.PartOf[end->Triangle]];
-            if (stretch.LengthMm > known.LengthMm)
-            {
-              known = stretch;
-            }
-          }
-        });
+          ProbePart(surface, tree, parts, part, hits, own);
+        }
+        const std::scoped_lock lock(guard);
+        ranges[begin] = std::move(own);
+      });
+    for (const auto& [begin, own] : ranges)
+    {
+      for (const auto& [part, stretch] : own)
+      {
+        KeepLonger(found[part], stretch);
+      }
     }
   }
   return found;

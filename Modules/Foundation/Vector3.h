@@ -84,8 +84,11 @@ struct Box3
   }
   void Add(const Box3& box)
   {
-    this->Add(box.Low);
-    this->Add(box.High);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Low[axis] = std::min(this->Low[axis], box.Low[axis]);
+      this->High[axis] = std::max(this->High[axis], box.High[axis]);
+    }
   }
 };
 

@@ -2,6 +2,7 @@
 #include "mammoray/XRay/OverlapMeasure.h"
 
 #include "Private/ProjectionChecks.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,34 +49,43 @@ void FollowRays(const SurfaceMesh& surface, const TriangleTree& tree, const XRay
   const XRayDetector& detector, OverlapMeasure& measure)
 {
   const bool isPoint = source.Type == XRaySource::Kind::Point;
-  const int columns = std::min(detector.Columns, MostRaysAcross);
-  const int rows = std::min(detector.Rows, MostRaysAcross);
-  std::vector<LineHit> hits;
-  double sum = 0;
-  for (int row = 0; row < rows; ++row)
-  {
-    for (int column = 0; column < columns; ++column)
+  const auto columns = static_cast<std::size_t>(std::min(detector.Columns, MostRaysAcross));
+  const auto rows = static_cast<std::size_t>(std::min(detector.Rows, MostRaysAcross));
+  std::vector<std::vector<SurfaceContradiction>> stretches(columns * rows);
+  std::vector<unsigned char> isHit(columns * rows);
+  ParallelRanges(columns * rows, 64,
+    [&](std::size_t begin, std::size_t end)
     {
-      const double u = (column + 0.5) * detector.Columns / columns - 0.5;
-      const double v = (row + 0.5) * detector.Rows / rows - 0.5;
-      const Vector3 pixel = detector.Origin + u * detector.ColumnStep + v * detector.RowStep;
-      const Vector3 way = isPoint ? pixel - source.Position : source.Direction;
-      const Vector3 direction = (1 / Norm(way)) * way;
-      tree.CrossLine(pixel, direction, hits);
-      double length = 0;
-      for (const SurfaceContradiction& stretch :
-        FindContradictions(surface, pixel, direction, hits))
+      std::vector<LineHit> hits;
+      for (std::size_t ray = begin; ray < end; ++ray)
       {
-        length += stretch.LengthMm;
-        if (stretch.LengthMm > measure.Longest.LengthMm)
-        {
-          measure.Longest = stretch;
-        }
+        const double column = static_cast<double>(ray % columns);
+        const double row = static_cast<double>(ray / columns);
+        const double u = (column + 0.5) * detector.Columns / static_cast<double>(columns) - 0.5;
+        const double v = (row + 0.5) * detector.Rows / static_cast<double>(rows) - 0.5;
+        const Vector3 pixel = detector.Origin + u * detector.ColumnStep + v * detector.RowStep;
+        const Vector3 way = isPoint ? pixel - source.Position : source.Direction;
+        const Vector3 direction = (1 / Norm(way)) * way;
+        tree.CrossLine(pixel, direction, hits);
+        isHit[ray] = hits.empty() ? 0 : 1;
+        stretches[ray] = FindContradictions(surface, pixel, direction, hits);
       }
-      measure.Rays += hits.empty() ? 0 : 1;
-      measure.Contradicting += length > 0 ? 1 : 0;
-      sum += length;
+    });
+  double sum = 0;
+  for (std::size_t ray = 0; ray < stretches.size(); ++ray)
+  {
+    double length = 0;
+    for (const SurfaceContradiction& stretch : stretches[ray])
+    {
+      length += stretch.LengthMm;
+      if (stretch.LengthMm > measure.Longest.LengthMm)
+      {
+        measure.Longest = stretch;
+      }
     }
+    measure.Rays += isHit[ray];
+    measure.Contradicting += length > 0 ? 1 : 0;
+    sum += length;
   }
   measure.MeanMm = measure.Contradicting > 0 ? sum / static_cast<double>(measure.Contradicting) : 0;
 }
