@@ -393,6 +393,8 @@ Scene vtkXRayProjector::Describe(vtkDataObject* input)
   if (!this->SceneFile.empty())
   {
     Scene scene = LoadScene(this->SceneFile);
+    // The names are the scene's then, so that those of an input are read again afterwards.
+    internal.Topology = TopologyStamp();
     internal.MaterialNames = scene.Materials.Names();
     return scene;
   }
