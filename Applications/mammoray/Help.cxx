@@ -35,7 +35,7 @@ std::size_t TerminalWidth()
   return std::max(width, LeastWidth);
 }
 
-/// Widths of the columns of names and of what fits into a line.
+/// Width of the column of names and types, characters.
 constexpr std::size_t NameColumn = 30;
 
 /// "--thickness mm", and words where they fit.

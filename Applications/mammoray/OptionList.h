@@ -58,9 +58,10 @@ enum class Shown
   InCaseFile
 };
 
-/// The heading of the options of every command, and what help shows in place of the type of inputs:
-/// of files, and of files, folders or names of shipped ones.
+/// The heading of the options of every command.
 inline constexpr const char* ProgramHeading = "Of every command";
+/// What help shows in place of a type: a file that must exist; a file, a folder or the name of a
+/// shipped file.
 inline constexpr const char* FileTypeName = "FILE";
 inline constexpr const char* InputTypeName = "PATH";
 

@@ -186,7 +186,7 @@ void AddProgramOptions(Command& command)
                  "--config", [&command](const std::string& path) { ReadCaseFile(command, path); },
                  "read options from a case file (.json); docs/options.md lists its keys")
                ->check(CLI::Validator(CLI::ExistingFile).description(""))
-               ->type_name("FILE")
+               ->type_name(FileTypeName)
                ->configurable(false),
     Shown::InHelp });
   const auto print = [&command]

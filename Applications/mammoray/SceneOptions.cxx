@@ -12,12 +12,6 @@ namespace
 {
 using QuantityKind = SceneQuantity::Kind;
 
-bool IsNumeric(QuantityKind kind)
-{
-  return kind == QuantityKind::Number || kind == QuantityKind::Length ||
-    kind == QuantityKind::WholeNumber;
-}
-
 /// What help shows in place of a type.
 std::string TypeName(const SceneQuantity& quantity)
 {
@@ -73,7 +67,7 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   {
     add.Keep({ command.add_flag_callback(
                  OptionOf(quantity), [take]() { take({ "true" }); }, quantity.Help),
-      shown, "boolean", "", {} });
+      shown, "boolean" });
     return;
   }
   CLI::Option* option =
@@ -96,11 +90,11 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   {
     option->check(FileOrFolder(quantity.Type == QuantityKind::File));
   }
-  const Quantity numbers = IsNumeric(quantity.Type) && quantity.Count == 1
+  const Quantity numbers = quantity.IsNumeric() && quantity.Count == 1
     ? Between(quantity.Least, quantity.Most, quantity.Unit.c_str())
     : Quantity("");
   const bool isWhole = quantity.Type == QuantityKind::WholeNumber;
-  const bool isNumber = quantity.Type == QuantityKind::Component || IsNumeric(quantity.Type);
+  const bool isNumber = quantity.Type == QuantityKind::Component || quantity.IsNumeric();
   if (isNumber)
   {
     option->check(isWhole ? NumberIn<int>(numbers) : NumberIn<double>(numbers));

@@ -14,7 +14,7 @@ namespace mammoray
 {
 namespace Shared
 {
-/// A number, and two or three of them.
+/// Numbers: one, two or three.
 inline const SharedOption Energy{ "--kev", "a single photon energy instead of a spectrum",
   Positive("keV") };
 inline const SharedOption LabelSpacing{ "--label-spacing",

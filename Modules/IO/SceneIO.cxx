@@ -51,18 +51,13 @@ struct SceneValueContext
   }
 };
 
-bool IsNumeric(Kind kind)
-{
-  return kind == Kind::Number || kind == Kind::Length || kind == Kind::WholeNumber;
-}
-
 std::string ExpectedValue(const SceneQuantity& quantity, const LengthUnit& unit)
 {
   if (quantity.IsByMaterial)
   {
     return "an object by names of materials";
   }
-  if (IsNumeric(quantity.Type))
+  if (quantity.IsNumeric())
   {
     const auto text = [&](double limit)
     { return quantity.Type == Kind::Length ? unit.Text(limit) : NumberText(limit); };
@@ -326,7 +321,7 @@ Json ParseSetting(const std::string& text)
 Json SettingAsJson(const SceneQuantity& quantity, const std::vector<std::string>& values)
 {
   const bool isText =
-    !IsNumeric(quantity.Type) && quantity.Type != Kind::Component && quantity.Type != Kind::Flag;
+    !quantity.IsNumeric() && quantity.Type != Kind::Component && quantity.Type != Kind::Flag;
   const auto asJson = [&](const std::string& text)
   { return isText ? Json(text) : ParseSetting(text); };
   if (quantity.Count == 1)

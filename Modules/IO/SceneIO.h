@@ -129,6 +129,13 @@ struct SceneQuantity
   bool IsByMaterial = false;
   /// That of SceneDescription; empty: none.
   std::string Default = "";
+
+  /// Whether its values are numbers from Least to Most; components of a vector are not meant.
+  bool IsNumeric() const
+  {
+    return this->Type == Kind::Number || this->Type == Kind::Length ||
+      this->Type == Kind::WholeNumber;
+  }
 };
 
 /// All keys of scene files in the order of their documentation; those within samples are not here.

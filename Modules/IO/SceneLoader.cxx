@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the description of a scene to its meshes, tables and spectra.
+#include "Private/SceneTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MaterialTableIO.h"
@@ -68,9 +69,6 @@ int MaterialFor(const SurfaceSample& sample, MaterialTable& table)
   table.Materials.push_back(material);
   return static_cast<int>(table.Materials.size()) - 1;
 }
-
-/// Largest absolute coordinate of a surface: a kilometre. A larger one has a wrong unit.
-constexpr double MostCoordinateMm = 1e6;
 
 /// From the file's unit to mm. Throws InputError where the surface then reaches too far.
 void Scale(const SurfaceSample& sample, SurfaceMesh& part)

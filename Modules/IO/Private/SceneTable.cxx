@@ -322,8 +322,8 @@ std::vector<SceneRow> DetectorRows()
     Row(Whole("detector.samples", 1, 16,
           "samples x samples rays per pixel; their transmissions are averaged", Use::Expert),
       MEMBER(Fixed.Detector.Samples)),
-    ChoiceRow<>(Other(Kind::Word, "detector.response", "",
-                  "what the detector adds up: energy, or photons by counting"),
+    ChoiceRow(Other(Kind::Word, "detector.response", "",
+                "what the detector adds up: energy, or photons by counting"),
       MEMBER(Fixed.Response.ByEnergy),
       std::vector<std::pair<const char*, bool>>{ { "energy", true }, { "counting", false } }),
     Row(Other(Kind::Text, "detector.scintillator", "MATERIAL[@DENSITY]:MM",
@@ -349,11 +349,17 @@ std::vector<SceneRow> DetectorRows()
   };
 }
 
+/// The usual grid, with this between its septa.
+AntiscatterGridOptions UsualGrid(const std::string& interspace = "fibre")
+{
+  return AntiscatterGridOptions::OfLead({ 5, 31, 65 }, interspace);
+}
+
 /// The grid of a description, which is made where there is none.
 AntiscatterGridOptions& GridOf(SceneDescription& scene)
 {
   std::optional<AntiscatterGridOptions>& grid = scene.Fixed.Scatter.Grid;
-  return grid ? *grid : grid.emplace(AntiscatterGridOptions::OfLead({ 5, 31, 65 }));
+  return grid ? *grid : grid.emplace(UsualGrid());
 }
 
 /// A number of the grid; its member is `scale` times as large.
@@ -380,7 +386,7 @@ SceneRow InterspaceRow()
     quantity,
     [](SceneDescription& scene, const Json& word)
     {
-      const auto filled = AntiscatterGridOptions::OfLead({ 5, 31, 65 }, word.get<std::string>());
+      const AntiscatterGridOptions filled = UsualGrid(word.get<std::string>());
       GridOf(scene).Interspace = filled.Interspace;
       GridOf(scene).InterspaceDensityGPerCm3 = filled.InterspaceDensityGPerCm3;
     },
@@ -389,8 +395,7 @@ SceneRow InterspaceRow()
       const auto& grid = scene.Fixed.Scatter.Grid;
       for (const std::string& word : words)
       {
-        if (grid &&
-          grid->Interspace == AntiscatterGridOptions::OfLead({ 5, 31, 65 }, word).Interspace)
+        if (grid && grid->Interspace == UsualGrid(word).Interspace)
         {
           return Json(word);
         }
@@ -403,7 +408,7 @@ std::vector<SceneRow> ScatterRows()
 {
   using Model = SceneScatter::Model;
   return {
-    ChoiceRow<>(
+    ChoiceRow(
       Other(Kind::Word, "scatter.method", "",
         "add what tissue scatters\n(by kernels, tabulated for breast tissue by the thickness along "
         "each ray, or by following scatter.photons photons through the materials, whose "
@@ -439,9 +444,9 @@ std::vector<SceneRow> RefractionRows()
 {
   using Law = RefractionOptions::Law;
   return {
-    ChoiceRow<>(Other(Kind::Word, "refraction.law", "",
-                  "bend rays by geometric optics or by the near field of the transport of "
-                  "intensity\n(materials need compositions)"),
+    ChoiceRow(Other(Kind::Word, "refraction.law", "",
+                "bend rays by geometric optics or by the near field of the transport of "
+                "intensity\n(materials need compositions)"),
       MEMBER(Fixed.Refraction),
       std::vector<std::pair<const char*, std::optional<Law>>>{ { "geometric", Law::Geometric },
         { "near-field", Law::NearField } }),
