@@ -89,8 +89,16 @@ public:
     : Place(ResolvedPlace(path))
     , IsWithin(isFolder && IsFixed(this->Place))
     , Partial(this->Place.string() + (this->IsWithin ? "/" : "") + PartialName)
-    , Locked(this->Lock(path, isFolder))
+    , Locked(this->Open(path, isFolder))
   {
+    // File systems without locks report other errors. Who held the lock may have renamed the file.
+    const bool isTaken = flock(this->Locked.Get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const std::string opened = "/proc/self/fd/" + std::to_string(this->Locked.Get());
+    if (isTaken || !fs::equivalent(opened, this->Partial))
+    {
+      throw InputError(
+        "output " + path + ": " + this->Partial.string() + ": another run is writing it");
+    }
     // A killed process may have left something.
     if (!isFolder)
     {
@@ -157,7 +165,8 @@ public:
   }
 
 private:
-  int Lock(const std::string& path, bool isFolder) const
+  /// Opens the partial file or folder, which it makes if there is none.
+  int Open(const std::string& path, bool isFolder) const
   {
     const auto require = [&](bool condition, const std::string& otherwise)
     {
@@ -176,10 +185,6 @@ private:
     const int flags = isFolder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
     const int opened = open(this->Partial.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
     Require(opened >= 0);
-    // File systems without locks report other errors. Who held the lock may have renamed the file.
-    const bool isTaken = flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    require(!isTaken && fs::equivalent("/proc/self/fd/" + std::to_string(opened), this->Partial),
-      this->Partial.string() + ": another run is writing it");
     return opened;
   }
 
@@ -257,9 +262,10 @@ bool ReserveFolder(const std::string& path)
 
 bool IsEmptyFolder(const std::string& path)
 {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) &&
-    std::all_of(fs::directory_iterator(path, ignored), fs::directory_iterator(),
+  std::error_code problem; // as of a folder that cannot be read, whose files are unknown
+  const fs::directory_iterator entries(path, problem);
+  return !problem &&
+    std::all_of(entries, fs::directory_iterator(),
       [](const fs::path& entry) { return entry.filename() == PartialName; });
 }
 
@@ -296,7 +302,7 @@ void WriteAtomicFile(const std::string& path,
       errno = EFBIG; // the limit has cut what the library wrote
       Require(size < limit.rlim_cur);
       void* const start = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, memory.Get(), 0);
-      Require(start != MAP_FAILED); // as where nothing was written
+      Require(start != MAP_FAILED); // fails for an empty file, too
       const std::unique_ptr<void, std::function<void(void*)>> bytes(start,
         [size](void* mapped) { munmap(mapped, size); });
       reservation.WriteFile({ static_cast<const char*>(start), size });

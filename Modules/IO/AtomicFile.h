@@ -27,8 +27,8 @@ MAMMORAYIO_EXPORT bool ReserveFile(const std::string& path);
  */
 MAMMORAYIO_EXPORT bool ReserveFolder(const std::string& path);
 
-/// True if it is a folder that holds nothing but what reserves it: the new contents of a mount
-/// point are written within it.
+/// Returns true if the path is a folder that can be read and holds nothing, or only the partial
+/// folder by which ReserveFolder reserves a mount point.
 MAMMORAYIO_EXPORT bool IsEmptyFolder(const std::string& path);
 
 /// Reserves a folder that does not exist or is empty; throws InputError if it holds files.
