@@ -82,6 +82,7 @@ DecodedImage Decode(const std::string& path, const std::string& what)
   }
   DecodedImage image{ size[0], size[1], 8 * values->GetDataTypeSize(),
     values->GetDataType() == VTK_FLOAT };
+  image.Pixels.reserve(static_cast<std::size_t>(values->GetNumberOfTuples()));
   const int colours = std::min(values->GetNumberOfComponents(), 3);
   // VTK has the last row of PNG and JPEG first.
   const bool isTurned = !extension.starts_with(".mh");
@@ -164,7 +165,12 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
 
 std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)
 {
-  const DecodedImage image = Read(path, "a mask (.png, .mha or .mhd)");
+  const std::string what = "a mask (.png, .mha or .mhd)";
+  if (ExtensionOf(path).starts_with(".jp")) // its compression changes zeros
+  {
+    throw InputError(path + ": expected " + what + ", found a JPEG");
+  }
+  const DecodedImage image = Read(path, what);
   CheckSize(path, image, columns, rows, "a mask of ");
   std::vector<unsigned char> mask(image.Pixels.size());
   std::transform(image.Pixels.begin(), image.Pixels.end(), mask.begin(),

@@ -77,6 +77,8 @@ TEST(MammogramPictureIO, MasksHaveTheirFirstRowAtTheTop)
   EXPECT_THAT(RefusalOf([&] { ReadMask(folder.File("none.png"), 8, 8); }), HasSubstr("no such"));
   EXPECT_THAT(RefusalOf([&] { ReadMask(folder.Write("mask.txt", "1"), 8, 8); }),
     HasSubstr(".png, .mha or .mhd"));
+  EXPECT_THAT(RefusalOf([&] { ReadMask(folder.Write("mask.jpg", "1"), 8, 8); }),
+    HasSubstr("expected a mask (.png, .mha or .mhd), found a JPEG"));
 }
 
 TEST(MammogramPictureIO, PathsTellPictures)
