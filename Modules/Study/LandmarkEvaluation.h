@@ -44,7 +44,8 @@ MAMMORAYSTUDY_EXPORT double Quantile(std::vector<double> values, double part);
 
 /**
  * Moves points by the point array "Displacement" (mm) of a body of linear tetrahedra, interpolated
- * in the cell that contains or is nearest to each. Throws InputError without that array.
+ * in the cell that contains or is nearest to each. Throws InputError without that array and on
+ * other cells.
  */
 MAMMORAYSTUDY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
   vtkUnstructuredGrid* body);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/Study/Private/CellFinder.h"
 
+#include "vtkCellType.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"
@@ -82,5 +84,15 @@ TEST(CellFinder, TakesTheNearestWithinTheToleranceOnly)
   EXPECT_EQ(finder.Find({ 2.3, 3.3, 0 }, 0.4).Cell, -1); // 0.42 mm
   EXPECT_GE(finder.Find({ 2.3, 3.3, 0 }, 0.45).Cell, 0);
   EXPECT_EQ(finder.Find({ 100, 0, 0 }, 1).Cell, -1);
+}
+
+TEST(CellFinder, RefusesOtherCellsThanTetrahedra)
+{
+  const vtkNew<vtkUnstructuredGrid> empty;
+  EXPECT_THROW(CellFinder{ empty }, InputError);
+  const auto grid = LinearBox();
+  const vtkIdType corners[] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+  grid->InsertNextCell(VTK_HEXAHEDRON, 8, corners);
+  EXPECT_THROW(CellFinder{ grid }, InputError);
 }
 }

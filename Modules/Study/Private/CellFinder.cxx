@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CellFinder.h"
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/FaceTable.h"
 #include "mammoray/IO/MeshConversion.h"
 
 #include "vtkCellArray.h"
+#include "vtkCellType.h"
 #include "vtkDataArray.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -28,6 +30,16 @@ Vector3 PlaceInCell::Interpolate(vtkDataArray* values) const
 CellFinder::CellFinder(vtkUnstructuredGrid* grid)
   : Grid(grid)
 {
+  // VTK writes as many weights of a place as its cell has corners.
+  bool fits = grid->GetNumberOfCells() > 0;
+  for (vtkIdType cell = 0; fits && cell < grid->GetNumberOfCells(); ++cell)
+  {
+    fits = grid->GetCellType(cell) == VTK_TETRA;
+  }
+  if (!fits)
+  {
+    throw InputError("mesh: expected linear tetrahedra, found none or other cells");
+  }
 }
 
 /// Triangles of the outside, of the grid's own points.

@@ -37,6 +37,7 @@ struct MAMMORAYSTUDY_EXPORT PlaceInCell
 class MAMMORAYSTUDY_EXPORT CellFinder
 {
 public:
+  /// Throws InputError on a grid without cells or with cells of another type.
   explicit CellFinder(vtkUnstructuredGrid* grid);
 
   /// The cell that contains the point, or the nearest one within `toleranceMm`.
