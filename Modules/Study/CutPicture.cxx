@@ -11,7 +11,6 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <set>
 

@@ -9,7 +9,6 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/PosedBreast.h"
 
-#include <filesystem>
 #include <optional>
 
 namespace mammoray
@@ -25,15 +24,6 @@ Mammogram DescribeRegistration(const ResultFile& result, char laterality)
   mammogram.BodyPartThicknessMm = result.Pose.ThicknessMm;
   mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
   return mammogram;
-}
-
-std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& real)
-{
-  if (!std::filesystem::is_regular_file(path))
-  {
-    throw InputError(path + ": no such file");
-  }
-  return ReadFloatPicture(path, real.Columns, real.Rows);
 }
 
 /// Nothing where a result is of this mammogram, by its checksum; else the name of the one it is of.
@@ -73,7 +63,8 @@ Mammogram ReadSyntheticMammogram(const ResultFile& result, const Mammogram& real
   {
     // A table of the user's that is no longer there: the voltage is left out.
   }
-  SetPixels(synthetic, ReadLogAttenuation(result.Folder + "/synthetic.mha", real), intent);
+  SetPixels(synthetic, ReadFloatPicture(result.Folder + "/synthetic.mha", real.Columns, real.Rows),
+    intent);
   return synthetic;
 }
 

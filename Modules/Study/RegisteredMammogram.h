@@ -35,8 +35,8 @@ MAMMORAYSTUDY_EXPORT bool IsRegisteredMammogram(const ResultFile& result,
 MAMMORAYSTUDY_EXPORT Mammogram ReadRegisteredMammogram(const ResultFile& result,
   const std::string& mammogramPath);
 
-/// What DICOM objects of a result need to refer to its mammogram. Throws InputError, which names
-/// the file, where it has not the pixels of the registered detector, and as ReadMammogramHeader.
+/// Reads the header by which DICOM objects of a result refer to its mammogram. Throws InputError,
+/// which names the file, if rows or columns are not the detector's, and as ReadMammogramHeader.
 MAMMORAYSTUDY_EXPORT DicomHeader ReadRegisteredReference(const std::string& mammogramPath,
   const XRayDetector& detector);
 }

@@ -8,7 +8,6 @@
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/AtomicFile.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>

@@ -151,7 +151,7 @@ void ChooseTissue(StudyChoice& choice)
   StudySeries* suppressed = BestOf(candidates, FatSuppression::Present);
   if (plain && suppressed && !AreOfOnePosition(*plain, *suppressed))
   {
-    // The one that comes before contrast, or is finer.
+    // The one before contrast is taken, or else the finer one.
     StudySeries*& other = RankOf(*suppressed) < RankOf(*plain) ? plain : suppressed;
     other->Reason = "left out: the patient lay otherwise (another frame of reference or position)";
     other = nullptr;

@@ -10,7 +10,6 @@
 #include "mammorayStudyModule.h"
 
 #include <array>
-#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>

@@ -14,8 +14,8 @@
 namespace mammoray
 {
 /**
- * Reads the case's mammogram of the last of these views into it: the mammogram, its target and
- * unit, and the other projections of a tomosynthesis, no finer than the search compares them.
+ * Fills in the last of `views` from the case's mammogram of that number: the mammogram, its target
+ * and unit, and the other projections of a tomosynthesis, no finer than the search compares them.
  * Throws InputError on what the mammograms alone show to be wrong.
  */
 MAMMORAYSTUDY_EXPORT void ReadCasePictures(const RegistrationCase& input,

@@ -27,8 +27,8 @@ MAMMORAYSTUDY_EXPORT std::vector<ResultInput> InputsOf(const RegistrationCase& i
 /// written.
 void WriteCheckpoint(const std::vector<SearchPoint>& points, const std::string& path);
 
-/// Reads a checkpoint, or of a folder its checkpoint (CheckpointPath), or else its result. Throws
-/// as ReadResultFile.
+/// Reads a checkpoint. `path` may be a folder: then its checkpoint (CheckpointPath) is read, or its
+/// result if there is none. Throws as ReadResultFile.
 MAMMORAYSTUDY_EXPORT std::vector<SearchPoint> ReadSearchPoints(const std::string& path);
 }
 

@@ -225,7 +225,7 @@ std::string PlainWords(const std::string& text)
 
 std::string FindMeaning(const std::string& words, HeaderMeaning meaning)
 {
-  // Made once: that takes longer than all looking.
+  // Compiled once: that takes longer than all searches.
   static const std::map<HeaderMeaning, std::regex> expressions = []
   {
     std::map<HeaderMeaning, std::string> patterns;

@@ -3,7 +3,6 @@
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/PoseParameters.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>

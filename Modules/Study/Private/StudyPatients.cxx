@@ -4,7 +4,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/Sha256.h"
 
-#include <algorithm>
 #include <filesystem>
 
 namespace mammoray
