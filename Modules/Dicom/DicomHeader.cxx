@@ -116,9 +116,14 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
   header.AcquisitionContrast = Shown(DicomText(data, DCM_AcquisitionContrast));
   const auto set = [](std::optional<double>& number, const auto& value)
   { number = value ? std::optional<double>(*value) : number; };
-  set(header.EchoTimeMs, header.EchoTimeMs ? std::nullopt : Double(data, DCM_EffectiveEchoTime));
-  set(header.InversionTimeMs,
-    header.InversionTimeMs ? std::nullopt : Double(data, DCM_InversionTimes));
+  if (!header.EchoTimeMs)
+  {
+    header.EchoTimeMs = Double(data, DCM_EffectiveEchoTime);
+  }
+  if (!header.InversionTimeMs)
+  {
+    header.InversionTimeMs = Double(data, DCM_InversionTimes);
+  }
   if (header.ScanningSequence.empty())
   {
     const std::string echo = DicomText(data, DCM_EchoPulseSequence);

@@ -118,7 +118,7 @@ const char* PixelRelationship(const Mammogram& mammogram)
 
 int PixelRelationshipSign(const Mammogram& mammogram)
 {
-  // Where nothing is said of it, what is shown bright is where little got through.
+  // If the sign is unknown, pixels that are shown bright are those that few photons reached.
   const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
   return mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay;
 }

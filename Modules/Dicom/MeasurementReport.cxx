@@ -16,7 +16,7 @@ DcmItem Dcm(const char* value, const char* meaning)
   return DicomCode(value, meaning, "DCM");
 }
 
-/// An item with its relation to the one it stands in, and what its type has.
+/// A content item with its relation to the item that contains it, and the elements of its type.
 DcmItem Content(const char* relation, const char* type, const DcmItem& name,
   std::initializer_list<DicomElement> values)
 {
@@ -31,7 +31,7 @@ DcmItem Code(const char* relation, const DcmItem& name, const DcmItem& value)
   return Content(relation, "CODE", name, { { DCM_ConceptCodeSequence, value } });
 }
 
-/// The text in letters that the report holds whatever the patient's character set is.
+/// A text in ASCII, which is part of every character set that a patient's name may need.
 DcmItem Text(const char* relation, const DcmItem& name, std::string value)
 {
   std::replace_if(

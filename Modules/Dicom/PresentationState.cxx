@@ -51,7 +51,7 @@ DcmItem Annotation(const DicomFinding& finding, const std::string& text, const D
         { DCM_AnchorPointVisibility, "Y" }, { DCM_AnchorPoint, points } }) } });
 }
 
-/// The first item of a sequence of tables of values; nothing if it has none that is whole.
+/// A copy of the first complete lookup table of a sequence. Empty if there is none.
 std::vector<DcmItem> Table(DcmItem& data, const DcmTagKey& sequence)
 {
   DcmItem* item = nullptr;

@@ -92,7 +92,7 @@ void AddItems(DcmItem& data, const DcmTag& tag, const std::vector<DcmItem>& item
   {
     throw Error("DICOM: a sequence cannot be made");
   }
-  static_cast<void>(sequence.release()); // the data set's now
+  static_cast<void>(sequence.release()); // the data set owns it now
 }
 
 /// Adds an element for values that are `bytes` long.
@@ -168,8 +168,9 @@ DcmItem DicomCode(const std::string& value, const std::string& meaning, const st
 void AddCommon(DcmItem& data, const std::string& sopClassUid, const std::string& modality,
   const std::string& seriesDescription, const DicomIdentity& identity)
 {
-  const std::string date = TimeNow("%Y%m%d");
-  const std::string time = TimeNow("%H%M%S");
+  const std::string now = TimeNow("%Y%m%d%H%M%S");
+  const std::string date = now.substr(0, 8);
+  const std::string time = now.substr(8);
   const bool newStudy = identity.StudyInstanceUid.empty();
   Add(data,
     { { DCM_SOPClassUID, sopClassUid }, { DCM_SOPInstanceUID, NewUid() },

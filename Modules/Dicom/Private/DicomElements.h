@@ -118,7 +118,7 @@ DcmItem SeriesReference(const DicomHeader& image, const DcmTagKey& images);
 /// Generates a UID.
 std::string NewUid();
 
-/// The time now, as `format` of std::strftime says.
+/// The local time, formatted by std::strftime; at most 23 characters.
 std::string TimeNow(const char* format);
 
 /// Writes a copy of the data set as a file in explicit VR little endian. Throws InputError if it

@@ -99,7 +99,7 @@ std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
 /// An unsigned long (UL). Nothing if it is missing.
 std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag);
 
-/// Reads where a slice lies; an enhanced object has that on one level after DicomFrames::Flat.
+/// Reads the place of a slice. Of an enhanced object, `data` is a frame from DicomFrames::Flat.
 SlicePlace ReadSlicePlace(DcmItem& data);
 
 /// Patient and study of a data set.

@@ -12,8 +12,8 @@ namespace mammoray
 {
 namespace
 {
-/// Throws unless there is a place, whose axes are those of a picture: numbers that make no heights
-/// of slices, or others than the grid's, would lead beside it.
+/// Throws InputError unless the slice has a place within a kilometre and orthonormal axes: other
+/// values would put its voxels outside the grid.
 void CheckPlace(const VolumeSlice& slice)
 {
   if (!slice.Position)
