@@ -20,7 +20,6 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <utility>
 

@@ -45,7 +45,7 @@ namespace mammoray
 {
 namespace
 {
-/// Keeps the first error or warning an object tells, instead of the console.
+/// Keeps the first error or warning of a VTK object, in place of printing it.
 class Listener : public vtkCommand
 {
 public:

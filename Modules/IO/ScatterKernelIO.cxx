@@ -6,7 +6,6 @@
 #include "mammoray/IO/ShippedData.h"
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <sstream>
 #include <vector>

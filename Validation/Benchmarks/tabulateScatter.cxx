@@ -51,16 +51,18 @@ ScatterKernels ShippedKernelAxes()
   return kernels;
 }
 
-/// Of the weights with which photons come through unscattered: photons of less are ended by chance.
+/// Russian roulette: a photon of less than this share of the first weight survives with the
+/// probability `Survival`, and then stands for those that did not.
 constexpr double LeastWeight = 1e-3;
 constexpr double Survival = 0.1;
 
-/// The bin of ascending edges, or their number less one beyond them.
+/// The bin of ascending edges that contains the value; beyond the last edge the number of bins.
 std::size_t BinOf(const std::vector<double>& edges, double value)
 {
   const auto above = std::upper_bound(edges.begin(), edges.end(), value);
   return static_cast<std::size_t>(above - edges.begin()) - 1;
 }
+
 /**
  * Follows photons from one point at right angles into a slab and adds the part of their energy that
  * would meet rings and angles of `axes` at each of its gaps, relative to what comes through

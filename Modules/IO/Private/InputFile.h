@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers of files share.
+// Checks and names that the readers of files share.
 #ifndef mammoray_Private_InputFile_h
 #define mammoray_Private_InputFile_h
 
@@ -48,7 +48,7 @@ inline std::string LineName(const std::string& path, std::size_t line)
   return path + ": line " + std::to_string(line);
 }
 
-/// The text file, open; throws InputError if it cannot be read.
+/// Opens a text file. Throws InputError if it cannot be read.
 inline std::ifstream OpenText(const std::string& path)
 {
   std::ifstream file(path);

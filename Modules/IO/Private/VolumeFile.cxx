@@ -14,10 +14,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
 #include <iterator>
-#include <sstream>
 
 namespace mammoray
 {
