@@ -136,14 +136,16 @@ def cell(text):
 
 
 def row(options):
-    """Of an option of several commands the default stands where it is the same in all."""
+    """Of an option of several commands a range, a default and where it shows stand if they are the same in all."""
     option = options[0]
     default = option.default if all(other.default == option.default for other in options) else "by command"
-    values = ", ".join(filter(None, [", ".join(option.words) or option.value, option.range]))
+    limits = option.range if all(other.range == option.range for other in options) else "range by command"
+    values = ", ".join(filter(None, [", ".join(option.words) or option.value, limits]))
     meaning = option.help + (" (required)" if "mandatory" in option.setting and len(options) == 1 else "")
-    shown = option.setting["shown"]
-    return (f"| `{','.join(option.spellings())}` | {cell(values)} | {cell(default)} | {cell(meaning)} | "
-            + (shown if option.only_in_file else f"`{shown}`") + " |")
+    shown = option.setting["shown"] if option.only_in_file else f"`{option.setting['shown']}`"
+    if any(other.setting["shown"] != option.setting["shown"] for other in options):
+        shown = "by command"
+    return f"| `{','.join(option.spellings())}` | {cell(values)} | {cell(default)} | {cell(meaning)} | {shown} |"
 
 
 def table(rows, column=""):
@@ -157,7 +159,7 @@ def scene_rows(definition, prefix=""):
         if "properties" in entry:
             rows += scene_rows(entry, f"{prefix}{name}.")
             continue
-        one = entry["items"] if "minimum" in entry.get("items", {}) else entry
+        one = entry.get("items") or entry.get("additionalProperties") or entry
         limits = f"from {one['minimum']:g} to {one['maximum']:g}" if "minimum" in one else ""
         values = ", ".join(filter(None, [", ".join(entry.get("enum", [])) or entry.get("value", ""), limits]))
         option = f"`{entry['option']}`" if "option" in entry else ""
