@@ -161,7 +161,7 @@ void CheckReportFiles(const MeshArguments& arguments)
   CheckPictureFile(arguments.CutPicture);
 }
 
-/// Writes the report and pictures that were requested. `grid` may be null if there are no cuts.
+/// Writes the report and the picture that were requested. `grid` may be null without a picture.
 void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   const std::vector<std::string>& names, vtkUnstructuredGrid* grid)
 {
@@ -175,7 +175,7 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   }
 }
 
-/// In which volumes are printed, so that of a fibre's parts digits are left.
+/// The unit in which volumes are printed: by the largest, so that those of fibres keep digits.
 struct VolumeUnit
 {
   const char* Name;

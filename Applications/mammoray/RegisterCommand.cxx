@@ -165,7 +165,7 @@ void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
   xrays.Numbers("--grid", arguments.Scatter.Grid, "RATIO LINES UM",
     "anti-scatter grid of lead: ratio, lines per cm, septum ('5 31 65')\n(focused, micrometres; "
     "septa run along the chest wall; transmissions are relative to air behind the grid)");
-  xrays.Expert()("--air-gap", arguments.Scatter.AirGapMm, Between(0, 200, "mm"),
+  xrays("--air-gap", arguments.Scatter.AirGapMm, Between(0, 200, "mm"),
     "of --scatter kernels: from the back of the tissue to the detector\n(default: the height of "
     "the unit's support)");
   xrays.CaseFile().Word("--grid-interspace", arguments.Scatter.Interspace,

@@ -317,9 +317,10 @@ class Projector:
         return _projection_of(self._native.project(scene, velocities))
 
 
-def _projection_of(answer: dict[str, Any]) -> Projection:
+def _projection_of(answer: dict[str, Any], stacklevel: int = 4) -> Projection:
+    """stacklevel: of a warning, so that it names the line of the user that asked for the projection."""
     if answer["warning"]:
-        warnings.warn(answer["warning"], RuntimeWarning, stacklevel=4)
+        warnings.warn(answer["warning"], RuntimeWarning, stacklevel=stacklevel)
     changes = answer.get("path_length_derivatives")
     return Projection(
         answer["transmission"], answer["log_attenuation"], answer["path_lengths"], answer["inconsistent"] == 0, changes,
@@ -333,7 +334,7 @@ def project_scene(path: str, *, method: str = "auto", device: str = "") -> Proje
     that is installed alone, which reads no surfaces."""
     if not hasattr(_xray, "project_scene"):
         raise InputError("project_scene: expected a mammoray with VTK, which reads surfaces, found the projector alone")
-    return _projection_of(_xray.project_scene(str(path), method, device))
+    return _projection_of(_xray.project_scene(str(path), method, device), 3)
 
 
 def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike] = None, *, materials: Materials,
