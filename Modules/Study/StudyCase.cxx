@@ -2,6 +2,7 @@
 #include "mammoray/Study/StudyCase.h"
 
 #include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammoray/Study/StudyPictures.h"
@@ -175,10 +176,9 @@ ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue)
     !choice.Position                               ? "not stated: taken as without weight"
       : *choice.Position == PatientPosition::Prone ? "prone"
                                                    : "supine");
-  const auto rounded = [](double value) { return std::to_string(std::lround(value)); };
-  section.Rows.emplace_back("Breast in the MRI", rounded(tissue.BreastCm3) + " cm3");
-  section.Rows.emplace_back("Gland in it", rounded(100 * tissue.GlandFraction) + " %");
-  section.Rows.emplace_back("Stands out by", rounded(tissue.DepthMm) + " mm");
+  section.Rows.emplace_back("Breast in the MRI", NumberText(tissue.BreastCm3, 0) + " cm3");
+  section.Rows.emplace_back("Gland in it", NumberText(100 * tissue.GlandFraction, 0) + " %");
+  section.Rows.emplace_back("Stands out by", NumberText(tissue.DepthMm, 0) + " mm");
   section.Picture = DrawLabelSlices(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
     FindMaterialTable(StudyMaterials).Names());
   section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "

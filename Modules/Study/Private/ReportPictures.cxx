@@ -88,21 +88,28 @@ Hanging Hang(const Mammogram& mammogram, const ReceptorGrid& grid,
 {
   std::array<Extent, 2> all;
   std::array<Extent, 2> near;
+  const auto add = [&grid](int column, int row, double marginMm, std::array<Extent, 2>& extents)
+  {
+    const ReceptorPoint place = grid.PositionOf(column, row);
+    for (std::size_t axis = 0; axis < 2; ++axis)
+    {
+      const double half = 0.5 * (std::abs(grid.ColumnStep[axis]) + std::abs(grid.RowStep[axis]));
+      extents[axis].Add(place[axis] - half - marginMm);
+      extents[axis].Add(place[axis] + half + marginMm);
+    }
+  };
+  for (const int row : { 0, grid.Rows - 1 })
+  {
+    add(0, row, 0, all);
+    add(grid.Columns - 1, row, 0, all);
+  }
   for (int row = 0; row < grid.Rows; ++row)
   {
     for (int column = 0; column < grid.Columns; ++column)
     {
-      const ReceptorPoint place = grid.PositionOf(column, row);
-      for (std::size_t axis = 0; axis < 2; ++axis)
+      if (shown[grid.Index(column, row)] != 0)
       {
-        const double half = 0.5 * (std::abs(grid.ColumnStep[axis]) + std::abs(grid.RowStep[axis]));
-        all[axis].Add(place[axis] - half);
-        all[axis].Add(place[axis] + half);
-        if (shown[grid.Index(column, row)] != 0)
-        {
-          near[axis].Add(place[axis] - half - HangingMarginMm);
-          near[axis].Add(place[axis] + half + HangingMarginMm);
-        }
+        add(column, row, HangingMarginMm, near);
       }
     }
   }
