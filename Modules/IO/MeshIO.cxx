@@ -214,19 +214,20 @@ void CheckGrid(vtkUnstructuredGrid* grid, const std::string& path)
   vtkNew<vtkIdList> corners;
   for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
   {
-    const std::string place = path + ": cell " + std::to_string(cell);
+    const auto refuse = [&](const std::string& reason)
+    { throw InputError(path + ": cell " + std::to_string(cell) + ": " + reason); };
     grid->GetCellPoints(cell, corners);
     if (grid->GetCellType(cell) == VTK_TETRA && corners->GetNumberOfIds() != 4)
     {
-      throw InputError(place + ": expected the four points of a tetrahedron, found " +
+      refuse("expected the four points of a tetrahedron, found " +
         std::to_string(corners->GetNumberOfIds()));
     }
     for (const vtkIdType corner : *corners)
     {
       if (corner < 0 || corner >= pointCount)
       {
-        throw InputError(place + ": expected points 0 to " + std::to_string(pointCount - 1) +
-          ", found " + std::to_string(corner));
+        refuse("expected points 0 to " + std::to_string(pointCount - 1) + ", found " +
+          std::to_string(corner));
       }
     }
   }
