@@ -629,7 +629,9 @@ private:
         joined.insert(arc.Materials);
       }
     }
-    return FindContacts(this->Mesh, from) == joined && this->Mesh.IsSurrounded(from);
+    return std::all_of(arcs.begin(), arcs.end(),
+             [&joined](const EditableMesh::Arc& arc) { return joined.count(arc.Materials) > 0; }) &&
+      this->Mesh.IsSurrounded(from);
   }
 
   double InterfaceArea(std::int32_t point, const std::vector<EditableMesh::Arc>& arcs) const
