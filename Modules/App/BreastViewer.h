@@ -28,7 +28,7 @@ struct ViewerOptions
   double Blend = 0.5;
   /// Tube voltage, kV; none: the spectrum's.
   std::optional<double> Kilovoltage;
-  /// Of the source from its place, gantry frame, mm.
+  /// Offset of the source from its place, gantry frame, mm.
   Vector3 SourceOffset{ 0, 0, 0 };
   /// Where the key s saves pictures.
   std::string PictureFolder = ".";

@@ -59,7 +59,8 @@ public:
   void SetTurn(double degrees);
   /// keV of a single energy, kV of a tube; kept in the slider's range.
   void SetEnergy(double energy);
-  /// Of the source from its place, frame of the scene, mm. A parallel beam has none to move.
+  /// Sets the offset of the source from its place, frame of the scene, mm. A parallel beam has no
+  /// source to move.
   void MoveSource(const Vector3& offset);
   /// Tells what a pixel sees; false beside the picture.
   bool MarkPixel(double column, double row);

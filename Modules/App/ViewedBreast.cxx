@@ -255,7 +255,7 @@ ReceptorGrid GridAround(const ViewedBreast& viewed, double spacingMm)
   grid.Origin = { high[0] + MarginMm - 0.5 * spacingMm, 0.5 * spacingMm };
   return grid;
 }
-/// What stands beside a result, empty where there is nothing.
+/// Path of a file in the folder of a result; empty if there is none.
 std::string BesideResult(const ViewInput& input, const char* name)
 {
   const fs::path path = fs::path(input.Result) / name;

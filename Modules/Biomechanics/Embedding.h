@@ -25,7 +25,7 @@ public:
   /// points; the result is 3 x pointCount. After Unload, some cells of the given mesh are slightly
   /// curved: displacements from ImagePositions are then more accurate than positions.
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
-  /// The same into `pointValues`, 3 x pointCount.
+  /// Interpolates into `pointValues`, 3 x pointCount.
   void Map(std::span<const double> nodeValues, std::span<double> pointValues) const;
   std::size_t NumberOfPoints() const { return this->CellIndices.size(); }
   /// Index of the cell that contains or is nearest to each point.

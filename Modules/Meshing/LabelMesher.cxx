@@ -40,7 +40,8 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Point = Kernel::Point_3;
 namespace parameters = CGAL::parameters;
 
-/// What an index of CGAL holds, or null: CGAL 5 has boost's variant, CGAL 6 the standard library's.
+/// The value of type T in an index of CGAL, or null. CGAL 5 has boost's variant, CGAL 6 that of the
+/// standard library.
 template <typename T, typename Index>
 const T* As(const Index& index)
 {

@@ -127,7 +127,7 @@ MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationTarget> MakeLevels(
 struct MAMMORAYREGISTRATION_EXPORT RegistrationProblem
 {
   std::shared_ptr<BreastModel> Model;
-  /// Of the model's volume frame.
+  /// Axes of the model's volume frame.
   AnatomicalAxes Axes;
   /// The point of the volume frame about which units turn (FindPoseAnchor), mm.
   Vector3 Anchor{ 0, 0, 0 };

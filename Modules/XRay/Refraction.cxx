@@ -407,7 +407,7 @@ private:
   const XRaySource& Source;
   DetectorAxes Axes;
   const RefractionOptions& Options;
-  /// Of the energies.
+  /// Weight of each energy.
   std::vector<double> Weights;
   /// [material * energies + energy].
   std::vector<double> Mu;

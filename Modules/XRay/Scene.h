@@ -48,11 +48,11 @@ struct SceneScatter
     MonteCarlo
   };
   Model Method = Model::None;
-  /// Of Kernels: their table, and the distance from the back of the tissue to the detector, 0 to
+  /// For Kernels: their table, and the distance from the back of the tissue to the detector, 0 to
   /// 200 mm.
   std::shared_ptr<const ScatterKernels> Kernels;
   double AirGapMm = 17;
-  /// Of MonteCarlo and Scene::Dose: where photons fly, and how many do, 1 to 1e12.
+  /// For MonteCarlo and Scene::Dose: the voxels, and the number of photons, 1 to 1e12.
   std::shared_ptr<const VoxelScene> Voxels;
   double Photons = 1e7;
   /// In front of the detector. Transmissions are relative to the open field behind it.
@@ -65,7 +65,7 @@ struct SceneScatter
  */
 struct MAMMORAYXRAY_EXPORT Scene
 {
-  /// What is X-rayed.
+  /// The X-rayed bodies.
   std::vector<SceneSample> Samples;
   /// [0] is air.
   MaterialTable Materials;

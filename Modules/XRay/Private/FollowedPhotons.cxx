@@ -106,8 +106,8 @@ Dose ComputeDose(const Scene& scene, const ProgressCallback& progress)
   Dose dose;
   dose.Photons = followed.Photons;
   dose.HeightMm = scene.DoseHeightMm ? *scene.DoseHeightMm : TopOf(voxels, plane, scene.Detector);
-  // Of one photon that sets out, how many would meet 1 mm^2 of the detector at the foot of the
-  // perpendicular, and of a plane at that height.
+  // Photons per emitted photon and mm^2 at the foot of the perpendicular: on the detector, and the
+  // factor for a plane at that height.
   const double share = CentralFluence(scene.Source, coarse);
   const double nearer = std::pow(plane.HeightMm / (plane.HeightMm - dose.HeightMm), 2);
   double kerma = 0;

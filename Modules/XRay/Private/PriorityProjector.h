@@ -36,7 +36,7 @@ private:
   struct Ray
   {
     Vector3 Begin{ 0, 0, 0 };
-    /// Of length 1.
+    /// A unit vector.
     Vector3 Direction{ 0, 0, 1 };
     double From = 0;
     double To = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a projector refuses before the device is asked.
+// Checks of a projector's input, before the device is used.
 #ifndef mammoray_ProjectionChecks_h
 #define mammoray_ProjectionChecks_h
 

@@ -44,7 +44,7 @@ public:
         nodes[index] = std::max(nodes[index], material.At(EnergyOf(index)).Total());
       }
     }
-    // Of each step the larger end, with a margin for edges within it.
+    // The larger value at the ends of each step, with a margin for edges within it.
     for (std::size_t index = 0; index <= Count; ++index)
     {
       this->Values[index] = 1.001 * std::max(nodes[index], nodes[std::min(index + 1, Count)]);
@@ -114,7 +114,7 @@ public:
   {
     return Dot(this->Normal, point - this->Detector.Origin);
   }
-  /// Of a unit vector along the plane's normal.
+  /// Component of a vector along the plane's normal.
   double Along(const Vector3& direction) const { return Dot(this->Normal, direction); }
   /// Where a photon meets a pixel.
   struct Meeting

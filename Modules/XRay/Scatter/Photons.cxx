@@ -44,7 +44,7 @@ double ComptonLaw(double ratio, double cosine)
   return 0.5 * ratio * ratio * (ratio + 1 / ratio - 1 + cosine * cosine);
 }
 
-/// What xraylib answers; 0 where it has no value, as of a shell that a photon cannot reach.
+/// Returns xraylib's value; 0 if it has none, for example for a shell that a photon cannot ionise.
 template <typename Function>
 double OfElement(const Function& function, int element, double at)
 {
@@ -300,7 +300,7 @@ double AntiscatterGrid::TransmissionAt(double energyKeV, double angle) const
   constexpr int Sides = 64;
   const double slope = std::tan(angle);
   double sum = 0;
-  // A quarter of the circle tells of all.
+  // By symmetry, a quarter of the circle suffices.
   for (int side = 0; side < Sides; ++side)
   {
     const double azimuth = 0.5 * std::numbers::pi * (side + 0.5) / Sides;

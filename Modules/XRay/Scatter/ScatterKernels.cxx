@@ -11,7 +11,7 @@ namespace mammoray
 {
 namespace
 {
-/// As at its ends beyond them.
+/// Clamps a value to the range of an axis.
 double Within(const std::vector<double>& axis, double value)
 {
   return std::clamp(value, axis.front(), axis.back());

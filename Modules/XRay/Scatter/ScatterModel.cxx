@@ -216,7 +216,7 @@ ScatterModel::RingShares ScatterModel::RingRatesAt(std::size_t node, double miss
 
 double ScatterModel::ScatterToPrimary(double thicknessMm, double diameterMm) const
 {
-  // What the middle gets from all around is what a beam at the middle sends all around.
+  // By symmetry, the middle receives from its surroundings what a beam at the middle sends there.
   const auto [node, share] = PlaceOn(this->Thicknesses, std::max(thicknessMm, 0.0));
   const RingShares low = this->RingsAt(node, 0);
   const RingShares high = this->RingsAt(node + 1, 0);
@@ -379,7 +379,7 @@ template <typename Add>
 ScatterModel::SentSignal ScatterModel::SumOfBands(const Geometry& geometry,
   const std::vector<double>& thicknessesMm, const Add& add) const
 {
-  // As many whatever the number of cores: rounding is always the same.
+  // The number of bands does not depend on that of cores, so rounding is always the same.
   constexpr std::size_t Bands = 8;
   const auto rows = static_cast<std::size_t>(geometry.Detector.Rows);
   std::vector<SentSignal> bands(Bands,
@@ -529,7 +529,7 @@ std::vector<double> ScatterModel::Scatter(const XRaySource& source, const XRayDe
   }
   sum.FromFrequencies();
   std::vector<double> scatter = sum.Take()[0];
-  // What is scattered more than once needs tissue around.
+  // Multiple scatter needs tissue around.
   const std::vector<double> around = this->TissueAround(geometry, signal.Tissue);
   for (std::size_t cell = 0; cell < scatter.size(); ++cell)
   {
