@@ -42,14 +42,10 @@ double RollOfView(const CompressionCase& input)
 }
 
 BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAxes& axes,
-  const std::optional<LabelVolume>& volume, const MaterialTable& materials)
+  const std::optional<LabelVolume>& volume)
 {
   BreastModelOptions options;
   options.Volume = volume;
-  if (volume)
-  {
-    options.OutsideTissue = InCutTissue(*volume, materials, input.Labels.CutSides);
-  }
   if (!input.SimulationMesh.empty())
   {
     options.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
@@ -57,12 +53,9 @@ BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAx
   options.CellSizeMm = input.SimulationCellSizeMm;
   options.Compression = input.Loading;
   options.Compression.PullN = input.PullN * axes.Anterior;
-  if (input.Gravity || input.ImagePosition)
-  {
-    options.Compression.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
-  }
   if (input.ImagePosition)
   {
+    options.Compression.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
     options.ImageGravityMPerS2 = GravityIn(*input.ImagePosition, axes);
   }
   return options;
@@ -148,7 +141,7 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   pose.RollDeg += RollOfView(input);
 
   BreastModel model(mesh, ElasticTable(result.Materials), {},
-    ModelOptions(input, placement.Axes, volume, result.Materials), progress);
+    ModelOptions(input, placement.Axes, volume), progress);
   CompressionSimulation& simulation = model.Body().Simulation();
   result.SimulationCells = model.NumberOfSimulationCells();
   result.Unknowns = simulation.NumberOfUnknowns();

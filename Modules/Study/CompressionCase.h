@@ -43,15 +43,13 @@ struct CompressionCase
   /// Empty: none.
   std::string View;
   std::optional<char> Side;
-  /// Elements, chest wall and friction. Gravity and pull are set by the following members.
+  /// Elements, chest wall and friction. Pull and gravity are set by the following members.
   CompressionOptions Loading;
   /// Force that draws the breast forwards, spread over its volume, N.
   double PullN = 0;
-  /// How the patient lay in the image, in which the breast bears its weight. Absent: the mesh is
-  /// free of load.
+  /// How the patient lay in the image, in which the breast bears its weight; it is compressed under
+  /// that of the standing patient. Absent: the mesh is free of load, and no weight counts.
   std::optional<PatientPosition> ImagePosition;
-  /// Applies the standing patient's weight even if the image is free of load.
-  bool Gravity = false;
   /// Steps of a time series from open plates to closed ones, at least 2. 0: none.
   int SeriesSteps = 0;
 };

@@ -80,8 +80,6 @@ struct RegistrationCase
   /// MammographyUnit's count.
   std::optional<double> SourceToDetectorMm;
   std::optional<double> SupportHeightMm;
-  double SupportEdgeMm = 0.0;
-  double PaddleEdgeMm = 0.0;
   double EdgeRadiusMm = SearchedEdgeRadiusMm;
 
   /// How the patient lay in the volume. The breast is unloaded of the weight that it had there, and

@@ -62,8 +62,6 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   }
   CheckUsual(input, ValidRanges::SourceDistance, unit.SourceToDetectorMm, path,
     "SourceToDetectorMm");
-  unit.SupportEdgeMm = input.SupportEdgeMm;
-  unit.PaddleEdgeMm = input.PaddleEdgeMm;
   unit.EdgeRadiusMm = input.EdgeRadiusMm;
   return unit;
 }
