@@ -11,7 +11,7 @@
 
 namespace mammoray
 {
-/// Whom a DICOM object is about that refers to no other.
+/// The patient of a DICOM object that refers to no other object.
 struct DicomPatient
 {
   std::string Name;

@@ -15,7 +15,7 @@ std::string Verdict(const Assessment& trust);
 /// Warns where the match in a registration's folder is doubtful or not to be trusted.
 void WarnOfDistrust(const std::string& folder, const Assessment& trust);
 
-/// Says when the mammogram is not the file that was registered.
+/// Notes if the mammogram is not the file that was registered.
 void NoteOtherMammogram(const ResultFile& result, const std::string& mammogram);
 }
 

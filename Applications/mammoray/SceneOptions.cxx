@@ -40,7 +40,7 @@ std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
 
 std::string OptionOf(const SceneQuantity& quantity)
 {
-  if (quantity.IsSet == SceneQuantity::Use::Rare)
+  if (quantity.Usage == SceneQuantity::Use::Rare)
   {
     return {};
   }
@@ -61,7 +61,7 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
     settings.push_back({ name, key, values });
   };
   const Shown shown =
-    quantity.IsSet == SceneQuantity::Use::Daily ? Shown::InHelp : Shown::InHelpAll;
+    quantity.Usage == SceneQuantity::Use::Daily ? Shown::InHelp : Shown::InHelpAll;
   Command& command = add.App();
   if (quantity.Type == QuantityKind::Flag)
   {

@@ -20,7 +20,7 @@ namespace
 using Json = nlohmann::json;
 using Kind = SceneQuantity::Kind;
 
-/// A unit of length: what it is in mm, above and below a fraction's line so that rounding is right.
+/// A unit of length, Mm / PerMm millimetres. Both are whole, so that 0.001 is not rounded twice.
 struct LengthUnit
 {
   const char* Name;
@@ -35,12 +35,12 @@ constexpr LengthUnit LengthUnits[] = { { "um", 1, 1000 }, { "mm", 1, 1 }, { "cm"
 constexpr LengthUnit Millimetre = LengthUnits[1];
 constexpr double MostAngleDeg = 3600;
 
-/// Where a value was given, which says what it means.
+/// What the meaning of a value depends on, and the place that messages name.
 struct SceneValueContext
 {
   std::string Place;
   LengthUnit Unit = Millimetre;
-  /// Paths are relative to it; empty: to the working folder.
+  /// Paths are relative to this folder; empty: to the working folder.
   std::filesystem::path Folder = {};
 
   std::string Beside(const std::string& path) const { return (this->Folder / path).string(); }
@@ -110,7 +110,7 @@ Json PlainValue(const SceneQuantity& quantity, const Json& value, const SceneVal
   }
 }
 
-/// A list of them.
+/// A list of such values; null if one of them is unusable or their number is wrong.
 Json PlainList(const SceneQuantity& quantity, const Json& value, const SceneValueContext& context)
 {
   const bool isLong = quantity.Count == 0 ? !value.empty() : value.size() == quantity.Count;

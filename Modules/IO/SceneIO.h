@@ -104,7 +104,8 @@ struct SceneQuantity
     FileOrName,
     Sample
   };
-  /// How often people set it by hand: programs offer the others in files alone.
+  /// How often people set it by hand. Daily and expert quantities are options of programs; rare
+  /// ones are set by their keys, in files or with --set.
   enum class Use
   {
     Rare,
@@ -122,7 +123,7 @@ struct SceneQuantity
   double Least = 0;
   double Most = 0;
   std::vector<std::string> Words = {};
-  Use IsSet = Use::Rare;
+  Use Usage = Use::Rare;
   /// Number of values in a list; 1: a single value; 0: a list of one or more.
   std::size_t Count = 1;
   /// Whether there is one for each of some materials, by their names.

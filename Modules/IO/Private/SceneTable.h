@@ -20,7 +20,7 @@ struct SceneRow
 {
   SceneQuantity Quantity;
   std::function<void(SceneDescription&, const nlohmann::json&)> Set;
-  /// Null where it has none.
+  /// Null if the description has no value.
   std::function<nlohmann::json(const SceneDescription&)> Get;
 };
 
