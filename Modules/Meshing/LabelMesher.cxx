@@ -24,7 +24,6 @@
 #include <chrono>
 #include <numbers>
 #include <sstream>
-#include <string>
 #include <unordered_map>
 #include <variant>
 

@@ -5,7 +5,6 @@
 #include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 

@@ -6,7 +6,6 @@
 #include "mammoray/XRay/Beam.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 

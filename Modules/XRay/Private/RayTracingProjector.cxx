@@ -11,7 +11,6 @@
 #include "pathLength_rmiss_float.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 

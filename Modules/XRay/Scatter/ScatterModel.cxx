@@ -8,7 +8,6 @@
 #include "mammoray/XRay/DetectorPlane.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
