@@ -222,16 +222,6 @@ Vector3 MiddleOf(const TetrahedralMesh& mesh, const std::vector<double>& field, 
       PointAt(field, corners[3]));
 }
 
-double VolumeOf(const TetrahedralMesh& mesh, std::size_t cell)
-{
-  const auto* const corners = &mesh.Cells[4 * cell];
-  const Vector3 first = PointAt(mesh.Points, corners[0]);
-  return std::abs(Dot(PointAt(mesh.Points, corners[1]) - first,
-           Cross(PointAt(mesh.Points, corners[2]) - first,
-             PointAt(mesh.Points, corners[3]) - first))) /
-    6;
-}
-
 /// The distance below which this part of some points lie that are normally distributed, each alike
 /// in all directions with its own deviation: the quantile of a mixture of Maxwell distributions.
 double DistanceQuantile(const std::vector<double>& sigmas, double part)
@@ -270,7 +260,7 @@ ModelError::ModelError(const TetrahedralMesh& anatomy, const std::vector<double>
     {
       if (!between || placed.ToGantry(MiddleOf(anatomy, points, cell))[1] > 0)
       {
-        volumes[cell] = VolumeOf(anatomy, cell);
+        volumes[cell] = std::abs(anatomy.CellVolume(cell));
       }
     }
     if (std::any_of(volumes.begin(), volumes.end(), [](double volume) { return volume > 0; }))
