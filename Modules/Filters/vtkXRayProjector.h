@@ -81,9 +81,9 @@ public:
 
   ///@{
   /**
-   * Centre of the detector's pixel in column 0 and row 0, mm, world, default (0, 0, 0); unit
-   * vectors at right angles towards the next column and the next row, world, defaults (1, 0, 0) and
-   * (0, 1, 0).
+   * DetectorOrigin is the centre of the pixel in column 0 and row 0, mm, world, default (0, 0, 0).
+   * ColumnDirection and RowDirection are unit vectors at right angles, world, towards the next
+   * column, default (1, 0, 0), and towards the next row, default (0, 1, 0).
    */
   vtkSetVector3Macro(DetectorOrigin, double);
   vtkGetVector3Macro(DetectorOrigin, double);
@@ -95,9 +95,10 @@ public:
 
   ///@{
   /**
-   * Distance between the centres of neighbouring columns and of neighbouring rows, mm, positive,
-   * default (0.1, 0.1); number of columns and of rows, positive, default (256, 256). Samples x
-   * Samples rays per pixel, 1 to 16, default 1: their transmissions and path lengths are averaged.
+   * PixelSpacing is the distance between the centres of neighbouring columns and of neighbouring
+   * rows, mm, positive, default (0.1, 0.1). DetectorSize is the number of columns and of rows,
+   * positive, default (256, 256). Each pixel has Samples x Samples rays, whose transmissions and
+   * path lengths are averaged; Samples is 1 to 16, default 1.
    */
   vtkSetVector2Macro(PixelSpacing, double);
   vtkGetVector2Macro(PixelSpacing, double);
@@ -130,10 +131,11 @@ public:
   ///@{
   /**
    * Whether scatter of breast tissue is added, from the thickness along each ray
-   * (mammoray/XRay/Scatter/ScatterModel.h); AirGapMm from the back of the tissue to the detector, 0
-   * to 200; and an anti-scatter grid of lead and fibre, focused on the source, septa along the
-   * rows' direction: ratio (0: no grid; else 1 to 30), lines per cm (5 to 200), thickness of the
-   * septa, micrometres. Transmissions are relative to air behind it. Defaults false, 17, no grid.
+   * (mammoray/XRay/Scatter/ScatterModel.h). AirGapMm is the distance from the back of the tissue to
+   * the detector, 0 to 200 mm. Grid is an anti-scatter grid of lead and fibre, focused on the
+   * source, with septa along the rows' direction: ratio (0: no grid; else 1 to 30), lines per cm (5
+   * to 200), thickness of the septa, micrometres. Transmissions are relative to air behind the
+   * grid. Defaults false, 17, (0, 31, 65).
    */
   vtkSetMacro(Scatter, bool);
   vtkGetMacro(Scatter, bool);
@@ -152,9 +154,9 @@ public:
   };
   ///@{
   /**
-   * Whether bodies bend rays (mammoray/XRay/Refraction.h), at the distance BendDistanceMm from the
-   * detector, not negative. Attenuations of materials must be compositions. Excludes noise and
-   * scatter. Defaults NO_REFRACTION, 0.
+   * Whether bodies bend rays (RefractionOptions of mammoray/XRay/Exposure.h), at the distance
+   * BendDistanceMm from the detector, not negative. Attenuations of materials must be compositions.
+   * Excludes noise and scatter. Defaults NO_REFRACTION, 0.
    */
   vtkSetClampMacro(Refraction, int, NO_REFRACTION, NEAR_FIELD);
   vtkGetMacro(Refraction, int);
@@ -185,7 +187,8 @@ public:
    * Path of a material table (JSON) or the name of a shipped one, with attenuation and density of
    * the input's materials: by name if the input has names, else by index. SetAttenuationTable and
    * SetLinearAttenuation take precedence. Default empty: only these. MaterialTableFile, a path,
-   * goes before it: for interfaces that offer the shipped tables as a list, as ParaView does.
+   * takes precedence; it serves interfaces that offer the shipped tables as a list, as ParaView
+   * does.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
@@ -196,7 +199,7 @@ public:
   ///@{
   /**
    * Path of a spectrum (.spc) or the name of a shipped one. Default empty: the photons of
-   * SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, goes before it.
+   * SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, takes precedence.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
