@@ -81,8 +81,12 @@ std::vector<std::int32_t> EditableMesh::Neighbours(std::int32_t point) const
 
 std::vector<EditableMesh::Arc> EditableMesh::LinkEdges(std::int32_t point) const
 {
-  std::vector<Arc> sides;
-  sides.reserve(3 * this->Star(point).size());
+  // Stars have some dozen cells: a search through all keys takes less time than sorting them.
+  constexpr std::uint64_t paired = ~std::uint64_t{ 0 };
+  std::vector<std::uint64_t> keys;
+  std::vector<Arc> edges;
+  keys.reserve(3 * this->Star(point).size());
+  edges.reserve(3 * this->Star(point).size());
   for (const std::int32_t cell : this->Star(point))
   {
     const Cell& around = (*this)[cell];
@@ -92,23 +96,19 @@ std::vector<EditableMesh::Arc> EditableMesh::LinkEdges(std::int32_t point) const
     for (std::size_t n = 0; n < 3; ++n)
     {
       const auto [low, high] = std::minmax(link[n], link[(n + 1) % 3]);
-      sides.push_back({ low, high, { around.Material, Nothing } });
-    }
-  }
-  std::stable_sort(sides.begin(), sides.end(),
-    [](const Arc& a, const Arc& b) { return std::tie(a.A, a.B) < std::tie(b.A, b.B); });
-  std::vector<Arc> edges;
-  edges.reserve(sides.size());
-  for (const Arc& side : sides)
-  {
-    if (!edges.empty() && edges.back().A == side.A && edges.back().B == side.B &&
-      edges.back().Materials[1] == Nothing)
-    {
-      edges.back().Materials[1] = side.Materials[0];
-    }
-    else // a first side, or a third one as of cells that overlap
-    {
-      edges.push_back(side);
+      const std::uint64_t key =
+        static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high);
+      const auto first = std::find(keys.begin(), keys.end(), key);
+      if (first != keys.end())
+      {
+        edges[static_cast<std::size_t>(first - keys.begin())].Materials[1] = around.Material;
+        *first = paired;
+      }
+      else // a first side, or a third one as of cells that overlap
+      {
+        keys.push_back(key);
+        edges.push_back({ low, high, { around.Material, Nothing } });
+      }
     }
   }
   return edges;

@@ -92,7 +92,7 @@ public:
 
 private:
   static constexpr std::int32_t Nothing = -1;
-  /// All edges of a point's link, ascending. The second material is Nothing where the mesh ends.
+  /// All edges of a point's link, unordered. The second material is Nothing where the mesh ends.
   std::vector<Arc> LinkEdges(std::int32_t point) const;
 
   std::vector<Cell> Cells;
