@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
 #include "mammoray/Filters/vtkXRayProjector.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -329,6 +330,30 @@ TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
   this->Filter->SetSpectrumFile("");
   this->Filter->Update();
   EXPECT_EQ(this->Value("LogAttenuation", 0), byNames);
+}
+
+TEST_F(XRayProjectorFilter, NamesAreTheInputsAgainAfterAScene)
+{
+  const mammoray::test::TemporaryFolder folder;
+  folder.Write("part.obj",
+    "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string scene = folder.Write("scene.json", R"({
+    "samples": [{ "file": "part.obj", "material": "Al" }], "beam": { "kev": 20 },
+    "source": { "beam-direction": [0, 0, -1] },
+    "detector": { "origin": [1, 1, -5], "column-direction": [1, 0, 0], "row-direction": [0, 1, 0],
+      "columns": 2, "rows": 2, "pixel-spacing": 1 } })");
+  const auto grid = Brick(10, 20, 12);
+  this->Filter->SetInputData(grid);
+  this->Filter->Update();
+  EXPECT_NEAR(this->Value("PathLength_1", 0), 12, 1e-6); // floats
+  this->Filter->SetSceneFile(scene.c_str());
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("PathLength_Al", 0), 7, 1e-6) << "x + y + z = 9 at (1, 1)";
+  this->Filter->SetSceneFile("");
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("PathLength_1", 0), 12, 1e-6);
 }
 
 TEST_F(XRayProjectorFilter, PolyDataWithInsideMaterialInAnyOrientation)
