@@ -110,6 +110,7 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
   }
   LabelVolume result;
   static_cast<VolumeGrid&>(result) = labels;
+  result.Names = labels.Names;
   std::array<std::vector<Footprint>, 3> footprints;
   double voxelCount = 1;
   for (int a = 0; a < 3; ++a)
@@ -227,6 +228,7 @@ LabelVolume CropToBox(const LabelVolume& labels, const VoxelBox& box)
   labels.Validate("volume to crop");
   LabelVolume result;
   static_cast<VolumeGrid&>(result) = labels;
+  result.Names = labels.Names;
   for (int a = 0; a < 3; ++a)
   {
     if (box.First[a] < 0 || box.First[a] > box.Last[a] || box.Last[a] >= labels.Size[a])

@@ -5,6 +5,8 @@
 #include "mammoray/Foundation/Meshes.h"
 
 #include <algorithm>
+#include <cctype>
+#include <optional>
 
 namespace mammoray
 {
@@ -29,6 +31,59 @@ void CheckMaterials(const MaterialTable& table, int smallest, int largest, int l
     }
   }
 }
+
+std::string KnownNames(const MaterialTable& table)
+{
+  std::string known;
+  for (const Material& material : table.Materials)
+  {
+    known += (known.empty() ? "" : ", ") + material.Name;
+  }
+  return known;
+}
+
+/// A name without what programs and people write differently.
+std::string Plain(const std::string& name)
+{
+  std::string plain;
+  for (const char letter : name)
+  {
+    if (letter != ' ' && letter != '-' && letter != '_')
+    {
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+  }
+  return plain;
+}
+
+std::string NameOfLabel(const LabelVolume& labels, int label)
+{
+  const auto name = labels.Names.find(label);
+  return std::to_string(label) + (name == labels.Names.end() ? "" : " '" + name->second + "'");
+}
+
+/// See ToMaterials.
+std::optional<int> FindMaterial(const MaterialTable& table, const LabelVolume& labels, int label)
+{
+  if (!labels.Names.empty() && label != 0)
+  {
+    const auto named = labels.Names.find(label);
+    const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
+    const auto material = std::find_if(table.Materials.begin(), table.Materials.end(),
+      [&name](const Material& known) { return Plain(known.Name) == name; });
+    if (material != table.Materials.end())
+    {
+      return static_cast<int>(material - table.Materials.begin());
+    }
+    const std::string number = std::to_string(label);
+    if (name != "segment" + number && name != "label" + number)
+    {
+      return std::nullopt;
+    }
+  }
+  const auto material = table.MaterialOfLabel.find(label);
+  return material == table.MaterialOfLabel.end() ? std::nullopt : std::optional(material->second);
+}
 }
 
 LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
@@ -41,18 +96,18 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   std::size_t tissueVoxels = 0;
   for (const auto& [label, count] : labels.CountLabels())
   {
-    const auto found = this->MaterialOfLabel.find(label);
-    if (found == this->MaterialOfLabel.end())
+    const std::optional<int> material = FindMaterial(*this, labels, label);
+    if (!material)
     {
       if (++unknownLabels <= mostNamed)
       {
-        unknown += (unknown.empty() ? "" : ", ") + std::to_string(label) + " (" +
+        unknown += (unknown.empty() ? "" : ", ") + NameOfLabel(labels, label) + " (" +
           std::to_string(count) + " voxels)";
       }
       continue;
     }
-    materialOf[label] = static_cast<std::uint16_t>(found->second);
-    tissueVoxels += found->second != 0 ? count : 0;
+    materialOf[label] = static_cast<std::uint16_t>(*material);
+    tissueVoxels += *material != 0 ? count : 0;
   }
   if (!unknown.empty())
   {
@@ -60,7 +115,7 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
       ? " and " + std::to_string(unknownLabels - mostNamed) + " more"
       : "";
     throw InputError(volumeName + ": label " + unknown + more + " is not in the material table '" +
-      this->Name + "'");
+      this->Name + "'" + (labels.Names.empty() ? "" : ", which has " + KnownNames(*this)));
   }
   if (tissueVoxels == 0)
   {
@@ -68,6 +123,7 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
       volumeName + ": expected tissue, found only air by the material table '" + this->Name + "'");
   }
   LabelVolume result = labels;
+  result.Names.clear();
   for (std::uint16_t& voxel : result.Voxels)
   {
     voxel = materialOf[voxel];
@@ -94,16 +150,15 @@ void MaterialTable::CheckMesh(const SurfaceMesh& mesh, const std::vector<std::st
 
 int MaterialTable::IndexOf(const std::string& name) const
 {
-  std::string known;
   for (std::size_t index = 0; index < this->Materials.size(); ++index)
   {
     if (this->Materials[index].Name == name)
     {
       return static_cast<int>(index);
     }
-    known += (known.empty() ? "" : ", ") + this->Materials[index].Name;
   }
-  throw InputError("unknown material '" + name + "'; the table '" + this->Name + "' has " + known);
+  throw InputError(
+    "unknown material '" + name + "'; the table '" + this->Name + "' has " + KnownNames(*this));
 }
 
 std::vector<std::string> MaterialTable::Names() const

@@ -69,6 +69,9 @@ struct MAMMORAYFOUNDATION_EXPORT LabelVolume : VolumeGrid
 {
   /// Labels, i fastest; Size[0] * Size[1] * Size[2] values.
   std::vector<std::uint16_t> Voxels;
+  /// Names of labels, as far as their file states them (see IO's ReadLabelFile). If there are any,
+  /// they decide what a label is (MaterialTable::ToMaterials).
+  std::map<int, std::string> Names;
 
   std::size_t NumberOfVoxels() const { return this->Voxels.size(); }
   /// Label of the voxel that contains the position (mm, volume frame); 0 outside the volume.

@@ -77,6 +77,46 @@ TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
   EXPECT_THAT(RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); }), HasSubstr("only air"));
 }
 
+TEST(MaterialTable, NamesOfLabelsDecideWhateverTheirNumbers)
+{
+  LabelVolume volume;
+  volume.Size = { 4, 1, 1 };
+  volume.Voxels = { 0, 1, 2, 3 };
+  volume.Names = { { 1, "Gland" }, { 2, "fat" }, { 3, "AIR" }, { 9, "not there" } };
+  const LabelVolume materials = TwoTissues().ToMaterials(volume, "v");
+  EXPECT_THAT(materials.Voxels, testing::ElementsAre(0, 2, 1, 0));
+  EXPECT_THAT(materials.Names, testing::IsEmpty()); // they were those of the labels
+  MaterialTable walled = TwoTissues();
+  walled.Materials[2].Name = "chest-wall";
+  volume.Names[1] = "Chest Wall";
+  EXPECT_EQ(walled.ToMaterials(volume, "v").Voxels[1], 2);
+}
+
+TEST(MaterialTable, NamesMadeOfNumbersCountAsThem)
+{
+  LabelVolume volume;
+  volume.Size = { 3, 1, 1 };
+  volume.Voxels = { 29, 1, 2 };
+  volume.Names = { { 29, "Segment_29" }, { 1, "Label 1" }, { 2, "fat" } };
+  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(2, 1, 1));
+  // A program has renumbered it: what it was, nobody knows.
+  volume.Names[1] = "Segment_29";
+  EXPECT_THAT(RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    HasSubstr("v: label 1 'Segment_29' (1 voxels) is not in the material table 'two tissues', "
+              "which has air, fat, gland"));
+}
+
+TEST(MaterialTable, UnknownNamesAreRefusedWithTheKnownOnes)
+{
+  LabelVolume volume;
+  volume.Size = { 4, 1, 1 };
+  volume.Voxels = { 1, 1, 2, 29 };
+  volume.Names = { { 1, "tumour" }, { 2, "fat" } };
+  const std::string refusal = RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); });
+  EXPECT_THAT(refusal, HasSubstr("label 1 'tumour' (2 voxels), 29 (1 voxels) is not in"));
+  EXPECT_THAT(refusal, HasSubstr("which has air, fat, gland"));
+}
+
 TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
 {
   EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
