@@ -24,7 +24,7 @@ struct ElasticMaterial
    * and 6.6 do so at 20 %.
    */
   double FungExponent = 0.0;
-  /// Mass density, g/cm^3; positive. Gravity uses it.
+  /// Mass density, g/cm^3, which gravity needs; 0: not known.
   double DensityGPerCm3 = 1.0;
 
   static constexpr double LargestFungExponent = 50.0;

@@ -74,10 +74,11 @@ public:
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
    * [0, 0.5); whether its cells are fixed; how fast it stiffens (Fung's exponent in [0, 50]; 0:
-   * neo-Hookean); density, g/cm^3, positive. Takes precedence over the table.
+   * neo-Hookean); density, g/cm^3, which weight needs (0: not known). Takes precedence over the
+   * table.
    */
   void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool fixed,
-    double fungExponent = 0, double densityGPerCm3 = 1);
+    double fungExponent = 0, double densityGPerCm3 = 0);
 
   /**
    * Removes the constants of SetMaterial.

@@ -187,6 +187,7 @@ void vtkXRayProjector::Internals::SetMaterials(const std::string& table, Scene& 
     if (!material.Attenuation.empty())
     {
       scene.Attenuations[index] = FindAttenuation(material);
+      material.DensityGPerCm3 = scene.Attenuations[index].DensityOf(material.DensityGPerCm3);
     }
     else if (own != this->Attenuations.end())
     {

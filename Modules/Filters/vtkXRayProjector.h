@@ -220,11 +220,11 @@ public:
   ///@{
   /**
    * Gives a material the attenuation table of that name in the data directory ("adipose",
-   * "glandular"), scaled to the density, g/cm^3, and read at the next update; or a linear
-   * attenuation coefficient that does not depend on energy, 1/mm, positive. ClearAttenuation
-   * removes what was set for single materials.
+   * "glandular"), scaled to the density, g/cm^3 (0: its own, where it has one), and read at the
+   * next update; or a linear attenuation coefficient that does not depend on energy, 1/mm,
+   * positive. ClearAttenuation removes what was set for single materials.
    */
-  void SetAttenuationTable(int material, const std::string& table, double densityGPerCm3);
+  void SetAttenuationTable(int material, const std::string& table, double densityGPerCm3 = 0);
   void SetLinearAttenuation(int material, double muPerMm);
   void ClearAttenuation();
   ///@}

@@ -21,9 +21,9 @@ struct Material
   std::string Name;
   /// Name of the attenuation table (see XRay's AttenuationTable); empty for air.
   std::string Attenuation;
-  /// Mass density, g/cm^3; positive. It scales the attenuation table from the table's nominal
-  /// density.
-  double DensityGPerCm3 = 1.0;
+  /// Mass density, g/cm^3, to which the attenuation is scaled. 0: none is stated, the attenuation's
+  /// own counts (XRay's AttenuationTable::DensityOf).
+  double DensityGPerCm3 = 0.0;
   /// Concentration of iodine (contrast agent) in the material, mg/ml, [0, 500].
   double IodineMgPerMl = 0.0;
   /// Young's modulus at small strain, kPa; positive.

@@ -12,9 +12,11 @@ void CheckValidRange(const ValidRange& range, double value, const std::string& w
   {
     return;
   }
-  char text[160];
-  std::snprintf(text, sizeof text, ": expected a %s from %g to %g %s, found %g", range.Quantity,
-    range.Least, range.Most, range.Unit, value);
+  const bool isThousandth = value >= 1e3 * range.Least && value <= 1e3 * range.Most;
+  char text[200];
+  std::snprintf(text, sizeof text, ": expected a %s from %g to %g %s, found %g%s%s%s",
+    range.Quantity, range.Least, range.Most, range.Unit, value, isThousandth ? " (in " : "",
+    isThousandth ? range.Thousandth : "", isThousandth ? "?)" : "");
   char number[32];
   std::snprintf(number, sizeof number, "%g", value);
   throw InputError(where + text, { range.Field, number, remedies });

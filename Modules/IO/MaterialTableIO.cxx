@@ -4,6 +4,7 @@
 #include "Private/JsonFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <filesystem>
 
@@ -35,6 +36,18 @@ std::string ReadAttenuation(const JsonObject& entry)
     entry.Refuse("attenuation", "at least one mass fraction");
   }
   return text;
+}
+
+double OwnDensity(const std::string& place, const std::string& attenuation)
+{
+  try
+  {
+    return FindAttenuationTable(attenuation).DensityOf(0);
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(place + ".density_g_per_cm3: " + error.what());
+  }
 }
 
 void ReadLabels(const JsonObject& entry, int material, MaterialTable& table)
@@ -137,15 +150,23 @@ MaterialTable ReadMaterialTable(const std::string& path)
         *flag = value->get<bool>();
       }
     }
+    const std::vector<std::string> remedies{ "\"unusual\": true in the table" };
+    const std::string what = path + ": material '" + material.Name + "'";
     if (!unusual)
     {
-      const std::vector<std::string> remedies{ "\"unusual\": true in the table" };
-      const std::string what = path + ": material '" + material.Name + "'";
-      CheckValidRange(ValidRanges::Density, material.DensityGPerCm3, what, remedies);
       CheckValidRange(ValidRanges::YoungsModulus, material.YoungsModulusKPa, what, remedies);
+    }
+    if (entry.Find("density_g_per_cm3"))
+    {
+      CheckValidRange(unusual ? ValidRanges::PartDensity : ValidRanges::Density,
+        material.DensityGPerCm3, what, unusual ? std::vector<std::string>() : remedies);
     }
     table.Materials.push_back(material);
     ReadLabels(entry, static_cast<int>(index), table);
+    if (index > 0 && material.DensityGPerCm3 == 0)
+    {
+      table.Materials.back().DensityGPerCm3 = OwnDensity(place, material.Attenuation);
+    }
   }
   return table;
 }

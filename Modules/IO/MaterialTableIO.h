@@ -21,7 +21,8 @@ namespace mammoray
  * The first material is air and takes a name and labels only. The others need name, labels (whole
  * numbers in [0, 65535], at least one; a thin material may leave them out and be made by AddSkin)
  * and attenuation: a name or composition for
- * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }. Density,
+ * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }. The density is
+ * needed where the attenuation has none of its own (AttenuationTable::DensityOf).
  * "iodine_mg_per_ml", elastic constants (with "fung_exponent"), "fixed" and "thin" default to those
  * of Material; the table's "name" defaults to the file's name. A density or modulus outside its
  * ValidRange requires "unusual": true. Throws InputError, with file and key, on a wrong type or

@@ -9,6 +9,7 @@
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/XRay/Composition.h"
 
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
@@ -24,29 +25,18 @@ namespace mammoray
 {
 namespace
 {
-/// Splits "ATTENUATION[@DENSITY]" and takes the density, where there is none, from the
-/// attenuation's table. Throws InputError.
+/// Sets attenuation and density from "ATTENUATION[@DENSITY]". Throws InputError.
 void SetAttenuation(const std::string& text, const std::string& where, Material& material)
 {
-  const std::size_t at = std::min(text.rfind('@'), text.size());
-  material.Attenuation = text.substr(0, at);
-  AttenuationTable attenuation;
+  material.Attenuation = text;
+  const double density = TakeDensity(material.Attenuation, where);
   try
   {
-    attenuation = FindAttenuationTable(material.Attenuation);
+    material.DensityGPerCm3 = FindAttenuationTable(material.Attenuation).DensityOf(density);
   }
   catch (const InputError& error)
   {
     throw InputError(where + ": " + error.what());
-  }
-  material.DensityGPerCm3 = attenuation.NominalDensityGPerCm3;
-  constexpr double most = 25; // osmium has 22.6
-  if (at < text.size() &&
-    !(ToNumber(text.substr(at + 1), material.DensityGPerCm3) && material.DensityGPerCm3 > 0 &&
-      material.DensityGPerCm3 <= most))
-  {
-    throw InputError(where + ": expected MATERIAL[@DENSITY] with a density up to " +
-      NumberText(most) + " g/cm3, found '" + text + "'");
   }
 }
 
@@ -127,13 +117,7 @@ MaterialTable MaterialsOf(const SceneDescription& description)
   { return table.Materials[static_cast<std::size_t>(table.IndexOf(name))]; };
   for (const auto& [name, text] : description.Attenuations)
   {
-    Material& material = named(name);
-    const double density = material.DensityGPerCm3;
-    SetAttenuation(text, "attenuation of " + name, material);
-    if (text.find('@') == std::string::npos)
-    {
-      material.DensityGPerCm3 = density;
-    }
+    SetAttenuation(text, "attenuation of " + name, named(name));
   }
   for (const auto& [name, iodine] : description.IodineMgPerMl)
   {

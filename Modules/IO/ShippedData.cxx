@@ -149,7 +149,7 @@ AttenuationTable FindAttenuation(const Material& material)
   {
     const AttenuationTable table = FindAttenuationTable(material.Attenuation);
     return material.IodineMgPerMl > 0
-      ? WithIodine(table, material.DensityGPerCm3, material.IodineMgPerMl)
+      ? WithIodine(table, table.DensityOf(material.DensityGPerCm3), material.IodineMgPerMl)
       : table;
   }
   catch (const InputError& error)

@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <algorithm>
 #include <array>
@@ -190,6 +191,23 @@ void Spectrum::Validate() const
   }
 }
 
+double AttenuationTable::DensityOf(double statedGPerCm3) const
+{
+  const std::string what = "attenuation '" + this->Name + "'";
+  if (statedGPerCm3 != 0)
+  {
+    CheckValidRange(ValidRanges::PartDensity, statedGPerCm3, what, {});
+    return statedGPerCm3;
+  }
+  if (!this->HasDensity)
+  {
+    throw InputError(what +
+      ": expected a density in g/cm3 (only elements, NIST's compounds and tables have one of their "
+      "own), found none");
+  }
+  return this->NominalDensityGPerCm3;
+}
+
 double AttenuationTable::MuAt(double energyKeV, double densityGPerCm3) const
 {
   const std::vector<double>& energies = this->EnergiesKeV;
@@ -296,11 +314,6 @@ Beam::Beam(const Spectrum& spectrum, const DetectorResponse& response,
       throw InputError("beam: material " + std::to_string(material) + " has no attenuation table");
     }
     tables[material]->Validate();
-    if (!(densities[material] > 0) || !std::isfinite(densities[material]))
-    {
-      throw InputError("beam: expected a positive density of material " + std::to_string(material) +
-        ", found " + NumberText(densities[material]) + " g/cm3");
-    }
   }
   double sum = 0;
   double photons = 0;
@@ -319,7 +332,8 @@ Beam::Beam(const Spectrum& spectrum, const DetectorResponse& response,
     this->Mu.push_back(0.0);
     for (std::size_t material = 1; material < tables.size(); ++material)
     {
-      this->Mu.push_back(tables[material]->MuAt(energy, densities[material]));
+      this->Mu.push_back(
+        tables[material]->MuAt(energy, tables[material]->DensityOf(densities[material])));
       if (!(this->Mu.back() <= MostPerMm))
       {
         throw InputError("beam: expected an attenuation of material " + std::to_string(material) +

@@ -29,16 +29,22 @@ struct MAMMORAYXRAY_EXPORT Spectrum
   bool operator==(const Spectrum&) const = default;
 };
 
-/// Linear attenuation of a material at its nominal density, by energy.
+/// Linear attenuation of a material by energy.
 struct MAMMORAYXRAY_EXPORT AttenuationTable
 {
   std::string Name;
+  /// The density of MuPerMm.
   double NominalDensityGPerCm3 = 1.0;
   /// Ascending, keV.
   std::vector<double> EnergiesKeV;
   /// Linear attenuation coefficient at each energy and the nominal density, 1/mm.
   std::vector<double> MuPerMm;
+  /// False where each use must state its density: nobody knows that of a formula.
+  bool HasDensity = true;
 
+  /// The density that is stated or, where it is 0, the nominal one, g/cm^3. Throws InputError where
+  /// there is neither, and outside ValidRanges::PartDensity.
+  double DensityOf(double statedGPerCm3) const;
   /// Log-log interpolation, scaled by density / nominal density, 1/mm. Throws InputError outside
   /// the table's energies.
   double MuAt(double energyKeV, double densityGPerCm3) const;
@@ -75,8 +81,8 @@ class MAMMORAYXRAY_EXPORT Beam
 public:
   /**
    * `tables[m]` is the attenuation of material m (null for material 0, air, whose attenuation is
-   * neglected) and `densities[m]` its density, g/cm^3. Throws InputError on any of them, and where
-   * the detector does not respond to any photon of the spectrum.
+   * neglected) and `densities[m]` its density (see DensityOf). Throws InputError on any of them,
+   * and where the detector does not respond to any photon of the spectrum.
    */
   Beam(const Spectrum& spectrum, const DetectorResponse& response,
     const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities);

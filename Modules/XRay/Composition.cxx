@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <xraylib.h>
 
@@ -188,6 +189,24 @@ CompositionParts ParseComposition(const std::string& text, const std::string& wh
   return found;
 }
 
+double TakeDensity(std::string& material, const std::string& who)
+{
+  const std::size_t at = material.rfind('@');
+  if (at == std::string::npos)
+  {
+    return 0;
+  }
+  double density = 0;
+  if (at == 0 || !ToNumber(material.substr(at + 1), density))
+  {
+    throw InputError(
+      who + ": expected MATERIAL[@DENSITY], the density in g/cm3, found '" + material + "'");
+  }
+  CheckValidRange(ValidRanges::PartDensity, density, who + ": '" + material + "'", {});
+  material.resize(at);
+  return density;
+}
+
 AttenuationTable RequireComposition(const std::string& text, const std::string& who)
 {
   AttenuationTable table;
@@ -207,7 +226,8 @@ bool FindComposition(const std::string& text, AttenuationTable& table)
   }
   table = {};
   table.Name = text;
-  table.NominalDensityGPerCm3 = density;
+  table.HasDensity = density > 0;
+  table.NominalDensityGPerCm3 = table.HasDensity ? density : 1;
   table.EnergiesKeV = EnergyGrid(fractions);
   for (const double energy : table.EnergiesKeV)
   {
@@ -224,7 +244,7 @@ bool FindComposition(const std::string& text, AttenuationTable& table)
           std::to_string(element) + ": " + reason);
       }
     }
-    table.MuPerMm.push_back(0.1 * density * massAttenuation);
+    table.MuPerMm.push_back(0.1 * table.NominalDensityGPerCm3 * massAttenuation);
   }
   table.Validate();
   return true;

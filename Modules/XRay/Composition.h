@@ -21,8 +21,9 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
  *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH";
  *  - mass fractions, "H:0.102 C:0.184 N:0.032 O:0.677 S:0.005": elements or formulas, each once,
  *    that sum to 1 within 0.01.
- * Formulas and fractions have a nominal density of 1 g/cm^3, elements their own. Returns false if
- * the text has none of these forms. Throws InputError on unusable mass fractions.
+ * Elements and compounds have a density, formulas and fractions none (HasDensity); their table is
+ * that of 1 g/cm^3. Returns false if the text has none of these forms. Throws InputError on
+ * unusable mass fractions.
  */
 MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTable& table);
 
@@ -30,6 +31,10 @@ MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTab
 /// returning false.
 MAMMORAYXRAY_EXPORT AttenuationTable RequireComposition(const std::string& text,
   const std::string& who);
+
+/// Takes "@DENSITY" off the end of a material's text and returns it, g/cm^3; 0 where there is none.
+/// Throws InputError "WHO: ..." on no number, and outside ValidRanges::PartDensity.
+MAMMORAYXRAY_EXPORT double TakeDensity(std::string& material, const std::string& who);
 
 /**
  * The material at this density, g/cm^3, which becomes the nominal one, plus iodine, mg per ml of
@@ -44,8 +49,8 @@ struct CompositionParts
 {
   /// Mass fractions by atomic number; their sum is 1.
   std::map<int, double> MassFractions;
-  /// Nominal density.
-  double DensityGPerCm3 = 1;
+  /// 0: the text implies none.
+  double DensityGPerCm3 = 0;
 };
 /// Throws InputError as RequireComposition does.
 MAMMORAYXRAY_EXPORT CompositionParts ParseComposition(const std::string& text,

@@ -42,7 +42,7 @@ public:
     {
       const double energy = spectrum.EnergiesKeV[bin];
       this->Weights.push_back(spectrum.Weights[bin] * response.Signal(energy));
-      this->Mu.push_back(target.MuAt(energy, target.NominalDensityGPerCm3));
+      this->Mu.push_back(target.MuAt(energy, target.DensityOf(0)));
       this->Whole += this->Weights.back();
     }
   }

@@ -421,7 +421,11 @@ private:
 double RefractiveDecrement(const std::string& composition, double energyKeV, double densityGPerCm3)
 {
   const auto [fractions, nominal] = ParseComposition(composition, "refraction");
-  const double density = densityGPerCm3 > 0 ? densityGPerCm3 : nominal;
+  const double density = densityGPerCm3 != 0 ? densityGPerCm3 : nominal;
+  if (!(density > 0))
+  {
+    throw InputError("refraction: expected a density of '" + composition + "', found none");
+  }
   double delta = 0;
   for (const auto& [element, fraction] : fractions)
   {

@@ -54,24 +54,14 @@ XRayFilter XRayFilter::FromText(const std::string& text)
 {
   XRayFilter filter;
   const std::size_t colon = text.rfind(':');
-  bool usable = colon != std::string::npos && colon > 0 &&
-    ToNumber(text.substr(colon + 1), filter.ThicknessMm) && filter.ThicknessMm >= 0 &&
-    std::isfinite(filter.ThicknessMm);
-  if (usable)
-  {
-    filter.Material = text.substr(0, colon);
-    const std::size_t at = filter.Material.rfind('@');
-    if (at != std::string::npos)
-    {
-      usable = ToNumber(filter.Material.substr(at + 1), filter.DensityGPerCm3) &&
-        filter.DensityGPerCm3 > 0 && std::isfinite(filter.DensityGPerCm3);
-      filter.Material.resize(at);
-    }
-  }
-  if (!usable || filter.Material.empty())
+  if (colon == std::string::npos || colon == 0 ||
+    !ToNumber(text.substr(colon + 1), filter.ThicknessMm) || !(filter.ThicknessMm >= 0) ||
+    !std::isfinite(filter.ThicknessMm))
   {
     throw InputError("filter: expected MATERIAL[@DENSITY]:MM, as in Rh:0.05, found '" + text + "'");
   }
+  filter.Material = text.substr(0, colon);
+  filter.DensityGPerCm3 = TakeDensity(filter.Material, "filter");
   return filter;
 }
 
@@ -125,8 +115,7 @@ Spectrum TubeSpectrum(const XRayTube& tube)
 Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
 {
   const AttenuationTable table = TableOf(filter, "filter");
-  const double density =
-    filter.DensityGPerCm3 > 0 ? filter.DensityGPerCm3 : table.NominalDensityGPerCm3;
+  const double density = table.DensityOf(filter.DensityGPerCm3);
   Spectrum filtered = spectrum;
   for (std::size_t bin = 0; bin < filtered.Weights.size(); ++bin)
   {
@@ -140,8 +129,7 @@ Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
 DetectorResponse AbsorbingDetector(const XRayFilter& layer)
 {
   const AttenuationTable table = TableOf(layer, "detector");
-  const double density =
-    layer.DensityGPerCm3 > 0 ? layer.DensityGPerCm3 : table.NominalDensityGPerCm3;
+  const double density = table.DensityOf(layer.DensityGPerCm3);
   DetectorResponse response = DetectorResponse::EnergyIntegrating;
   response.EnergiesKeV = table.EnergiesKeV;
   for (const double energy : table.EnergiesKeV)

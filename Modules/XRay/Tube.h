@@ -16,7 +16,7 @@ struct MAMMORAYXRAY_EXPORT XRayFilter
   /// Composition (see FindComposition).
   std::string Material;
   double ThicknessMm = 0;
-  /// g/cm^3; 0: the composition's nominal density.
+  /// g/cm^3; 0: that of the composition (AttenuationTable::DensityOf).
   double DensityGPerCm3 = 0;
 
   /// Parses MATERIAL[\@DENSITY]:MM: "Rh:0.05", "SiO2@2.2:1". Throws InputError on another form.

@@ -268,7 +268,7 @@ TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
   this->ExpectRefused(this->Inputs + " --scatter kernels --source 0 0 600 -o " + this->Image,
     "scatter.air-gap: expected");
   this->ExpectRefused(this->Inputs +
-      " --scatter kernels --set refraction.law=geometric --set attenuations.fat=H2O -o " +
+      " --scatter kernels --set refraction.law=geometric --set attenuations.fat=H2O@1 -o " +
       this->Image,
     "or scatter");
   this->ExpectRefused(this->Inputs + " --scatter kernels --set scatter.grid.ratio=0.1 -o " +
@@ -381,7 +381,10 @@ TEST_F(ProjectCommand, RefusesInOneLine)
     "no such file");
   this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("image.jpg"), ".png");
   this->ExpectRefused(this->Inputs + " -o " + this->Image + " --set attenuations.fat=adipose@920",
-    "density up to 25 g/cm3, found 'adipose@920'");
+    "density from 5e-05 to 23 g/cm3, found 920 (in kg/m3?)");
+  // Nobody stated the density.
+  this->ExpectRefused(this->Inputs + " -o " + this->Image + " --set attenuations.fat=H2O",
+    "attenuation 'H2O': expected a density");
   this->ExpectRefused(this->Inputs + output + " --spectrum W99", "W28kVp");
   this->ExpectRefused(this->Inputs + output + " --orientation XYZ", "orientation");
   this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");

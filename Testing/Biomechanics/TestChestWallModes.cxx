@@ -317,6 +317,12 @@ TEST(CompressionSimulation, RefusesBadLoading)
   EXPECT_THROW(make([](CompressionOptions& o) { o.PullN[1] = std::nan(""); }), InputError);
   std::vector<ElasticMaterial> weightless = Soft;
   weightless[1].DensityGPerCm3 = 0;
+  EXPECT_NO_THROW(CompressionSimulation(mesh, weightless, { false, false, true }));
+  CompressionOptions standing;
+  standing.GravityMPerS2[2] = -StandardGravityMPerS2;
+  EXPECT_THROW(CompressionSimulation(mesh, weightless, { false, false, true }, {}, standing),
+    InputError);
+  weightless[1].DensityGPerCm3 = -1;
   EXPECT_THROW(CompressionSimulation(mesh, weightless, { false, false, true }), InputError);
 }
 }

@@ -245,6 +245,11 @@ TEST_F(BreastCompression, GlidesAlongTheChestWallUnderGravityAndPull)
   this->Filter->SetImagePositionToProne();
   this->Filter->SetPullN(1);
   this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_NE(this->Errors->Text.find("expected the density"), std::string::npos);
+  this->Errors->Count = 0;
+  this->Filter->SetMaterial(1, 6, 0.49, false, 0, 1);
+  this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_GT(this->FieldValue("LargestWallLiftMm"), 0.005);
   this->Filter->SetWallStiffness(-1, 5);

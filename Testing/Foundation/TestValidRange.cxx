@@ -52,5 +52,5 @@ TEST(ValidRange, LooksAtEachOfThree)
   };
   EXPECT_EQ(check({ 1, 0.05, 10 }), NotRefused);
   EXPECT_EQ(check({ 1, 1, 3200 }),
-    "v.nrrd: expected a voxel spacing from 0.05 to 10 mm, found 3200; set AcceptUnusual");
+    "v.nrrd: expected a voxel spacing from 0.05 to 10 mm, found 3200 (in um?); set AcceptUnusual");
 }

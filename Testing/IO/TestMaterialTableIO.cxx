@@ -64,7 +64,7 @@ TEST(MaterialTableIO, AbsentKeysTakeTheDefaults)
     folder.Write("plain.json", WithFat(R"("labels": [1, 65535], "attenuation": "adipose")")));
   EXPECT_EQ(table.Name, "plain.json");
   const Material defaults;
-  EXPECT_EQ(table.Materials[1].DensityGPerCm3, defaults.DensityGPerCm3);
+  EXPECT_EQ(table.Materials[1].DensityGPerCm3, 0.92); // that of adipose.csv
   EXPECT_EQ(table.Materials[1].YoungsModulusKPa, defaults.YoungsModulusKPa);
   EXPECT_EQ(table.Materials[1].PoissonRatio, defaults.PoissonRatio);
   EXPECT_EQ(table.Materials[1].FungExponent, 0);
@@ -102,10 +102,20 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
     HasSubstr("materials[1].youngs_modulus_kpa: expected"));
   // kg/m3 and Pa, say.
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 920)")),
-    HasSubstr(
-      "material 'fat': expected a density from 0.5 to 3 g/cm3, found 920; set \"unusual\""));
+    HasSubstr("material 'fat': expected a density from 0.5 to 3 g/cm3, found 920 (in kg/m3?); set "
+              "\"unusual\""));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "youngs_modulus_kpa": 5000)")),
-    HasSubstr("expected a Young's modulus from 0.05 to 500 kPa, found 5000"));
+    HasSubstr("expected a Young's modulus from 0.05 to 500 kPa, found 5000 (in Pa?)"));
+  // Elements have a density, formulas and fractions have none.
+  EXPECT_EQ(MaterialsRefusal(WithFat(R"("labels": [1], "attenuation": "Al")")), NotRefused);
+  for (const char* attenuation : { "\"H2O\"", R"({ "H": 0.112, "O": 0.888 })" })
+  {
+    EXPECT_THAT(
+      MaterialsRefusal(WithFat(R"("labels": [1], "attenuation": )" + std::string(attenuation))),
+      HasSubstr("expected a density in g/cm3"));
+  }
+  EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 2699, "unusual": true)")),
+    HasSubstr("(in kg/m3?)"));
   EXPECT_EQ(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 11.3, "unusual": true)")),
     NotRefused);
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "poisson_ratio": 0.5)")),

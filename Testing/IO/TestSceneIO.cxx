@@ -354,13 +354,23 @@ TEST(SceneIO, RefusesSamplesByName)
   SurfaceSample sample{ .Name = "s.json: samples[3]", .File = folder.File("b.stl") };
   WriteMesh(ToPolyData(box, {}), sample.File);
   const auto refusal = [&] { return RefusalOf([&] { LoadScene({ .Samples = { sample } }); }); };
-  for (const auto& [material, text] : { std::pair{ "butter", "butter" },
-         std::pair{ "Al@0", "density" }, std::pair{ "Al@x", "density" },
-         std::pair{ "Al@inf", "density" }, std::pair{ "air", "found air" } })
+  for (const auto& [material, text] :
+    { std::pair{ "butter", "butter" }, std::pair{ "Al@0", "density" },
+      std::pair{ "Al@x", "density" }, std::pair{ "Al@inf", "density" },
+      std::pair{ "Al@2699", "(in kg/m3?)" }, std::pair{ "SiO2", "expected a density" },
+      std::pair{ "H:0.112 O:0.888", "a density" }, std::pair{ "air", "found air" } })
   {
     sample.Material = material;
     EXPECT_THAT(refusal(), testing::StartsWith("s.json: samples[3]: "));
     EXPECT_THAT(refusal(), HasSubstr(text));
+  }
+  for (const auto& [material, density] : { std::pair{ "Al", 2.70 }, std::pair{ "adipose", 0.92 },
+         std::pair{ "Water, Liquid", 1.0 }, std::pair{ "SiO2@2.2", 2.2 } })
+  {
+    sample.Material = material;
+    EXPECT_NEAR(LoadScene({ .Samples = { sample } }).Materials.Materials.at(1).DensityGPerCm3,
+      density, 5e-3)
+      << material;
   }
   sample.Material = "Al";
   sample.UnitMm = 1e6;

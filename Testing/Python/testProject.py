@@ -101,9 +101,12 @@ assert numpy.allclose(two.transmission, (weights[0] * single[0] + weights[1] * s
 counted = mammoray.project(POINTS, TRIANGLES, spectrum=([18, 25], [3, 1]), photon_counting=True, **{**SCENE, "materials": names})
 assert numpy.allclose(counted.transmission, (3 * single[0] + single[1]) / 4, rtol=2e-6)
 assert mammoray.material_table("victre")[1].density > 0.8
-water = mammoray.project(POINTS, TRIANGLES, spectrum="W28kVp_Rh50um_Be1mm", **{**SCENE, "materials": ["H2O"]})
+water = mammoray.project(POINTS, TRIANGLES, spectrum="W28kVp_Rh50um_Be1mm", **{**SCENE, "materials": ["Water, Liquid"]})
 # 20 mm of water: 0.5 to 1.7 /cm from 18 to 28 keV (NIST).
 assert 0.8 < water.log_attenuation.mean() < 3
+# Aluminium's own density is 2.70 g/cm3: 3.441 cm2/g at 20 keV (NIST), 2 %.
+aluminium = mammoray.project(POINTS, TRIANGLES, spectrum=20, **{**SCENE, "materials": [mammoray.Material("Al")]})
+assert numpy.allclose(aluminium.log_attenuation, 3.441 * 0.270 * 20 * OBLIQUE, rtol=0.02)
 
 # Noise: its seed decides; the mean within five deviations, of 200 pixels of 1e4 photons.
 noisy = [mammoray.project(POINTS, TRIANGLES, photons_per_pixel=1e4, seed=seed, **SCENE).transmission for seed in (1, 1, 2)]
@@ -112,19 +115,19 @@ assert abs((noisy[0] - image.transmission).mean()) < 5 * math.sqrt(image.transmi
 
 # Refraction: a wedge bends all rays by delta times its slope, to where it is thinner; delta of water at 20 keV: 5.77e-7 (CXRO).
 wedge = POINTS + [0, 0, 1] * (POINTS[:, :1] / 8 * (POINTS[:, 2:] > 20))
-bent = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["H2O"], "source": mammoray.ParallelBeam((0, 0, -1))},
+bent = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["Water, Liquid"], "source": mammoray.ParallelBeam((0, 0, -1))},
                         refraction="geometric", bend_distance=1000)
 assert bent.deflection.shape == (2, 10, 20) and image.deflection is None
 assert numpy.allclose(bent.deflection[0], -5.77e-7 / 8, rtol=5e-3), bent.deflection[0].mean()
 assert numpy.allclose(bent.deflection[1], 0, atol=1e-10)
-straight = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["H2O"], "source": mammoray.ParallelBeam((0, 0, -1))})
+straight = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["Water, Liquid"], "source": mammoray.ParallelBeam((0, 0, -1))})
 # By less than a tenthousandth of a pixel.
 assert numpy.allclose(bent.transmission, straight.transmission, rtol=1e-4)
 
 # Dual energy: what the weight cancels is gone at single energies, whatever the thickness; calcium stays.
 weight = mammoray.cancelling_weight("adipose", "glandular", low=20, high=35)
 pairs = [[mammoray.project(POINTS, TRIANGLES, spectrum=energy, **{**SCENE, "materials": [name]}) for energy in (20, 35)]
-         for name in ("adipose", "glandular", "Ca5(PO4)3OH")]
+         for name in ("adipose", "glandular", mammoray.Material("Ca5(PO4)3OH", density=1))]
 left = [mammoray.recombine(low, high, weight) for low, high in pairs]
 assert numpy.allclose(left[0], left[1], atol=1e-5) and abs(left[2] - left[0]).min() > 0.2
 
@@ -148,6 +151,10 @@ refused("did you mean victre?", materials="victr")
 refused("expected positive coefficients", materials={1: -1})
 refused("materials[1]: no field 'densty'; did you mean density?", materials={1: {"attenuation": "adipose", "densty": 1}})
 refused("materials[1].attenuation: expected 1 values, found 2", materials={1: mammoray.Material([0.1, 0.2])})
+refused("attenuation 'H2O': expected a density", materials=["H2O"])
+refused("attenuation 'SiO2': expected a density", materials={1: mammoray.Material("SiO2")})
+refused("found 2699 (in kg/m3?)", materials={1: mammoray.Material("Al", density=2699)})
+refused("materials[1].density: expected a positive number", materials={1: mammoray.Material("Al", density=0)})
 refused("source: expected 3 values, found 2", source=(0, 400))
 refused("detector: no field 'colums'; did you mean columns", detector={"colums": 3})
 refused("detector: expected the field 'row_step'", detector={"origin": (0, 0, 0), "column_step": (1, 0, 0), "columns": 1, "rows": 1})

@@ -101,7 +101,8 @@ TEST_F(LabelSourceTest, VoxelsOfNoPatientAreTakenOnlyWhenTold)
   this->Volume.Spacing = { 1, 1, 3200 }; // um read as mm
   WriteLabelVolume(this->Volume, this->Source.Path);
   EXPECT_THAT(this->Message(),
-    HasSubstr("expected a voxel spacing from 0.05 to 10 mm, found 3200; set AcceptUnusual"));
+    HasSubstr(
+      "expected a voxel spacing from 0.05 to 10 mm, found 3200 (in um?); set AcceptUnusual"));
   this->Source.AcceptUnusual = true;
   EXPECT_EQ(ReadMaterials(this->Source, this->Table).Spacing[2], 3200);
 }

@@ -122,6 +122,33 @@ TEST(Composition, SpellingsOfOneMaterialAgree)
   EXPECT_NEAR(Composition("Al").NominalDensityGPerCm3, 2.7, 0.01);
 }
 
+TEST(Composition, OnlyElementsCompoundsAndTablesHaveADensity)
+{
+  for (const auto& [name, density] : { std::pair{ "Al", 2.70 }, std::pair{ "Ti", 4.54 },
+         std::pair{ "Water, Liquid", 1.0 }, std::pair{ "adipose", 0.92 } })
+  {
+    EXPECT_NEAR(FindAttenuationTable(name).DensityOf(0), density, 5e-3) << name;
+    EXPECT_EQ(FindAttenuationTable(name).DensityOf(1.5), 1.5);
+  }
+  for (const char* name : { "H2O", "H:0.112 O:0.888", "Al:1", "Al2O3" })
+  {
+    EXPECT_THAT(RefusalOf([&] { FindAttenuationTable(name).DensityOf(0); }),
+      testing::HasSubstr("expected a density in g/cm3"));
+    EXPECT_EQ(FindAttenuationTable(name).DensityOf(1.5), 1.5);
+  }
+  EXPECT_THAT(RefusalOf([] { FindAttenuationTable("Al").DensityOf(2699); }),
+    testing::HasSubstr("found 2699 (in kg/m3?)"));
+  std::string text = "SiO2@2.2";
+  EXPECT_EQ(TakeDensity(text, "test"), 2.2);
+  EXPECT_EQ(text, "SiO2");
+  EXPECT_EQ(TakeDensity(text, "test"), 0);
+  for (const char* bad : { "Al@", "Al@0", "Al@-1", "Al@nan", "Al@2699", "@1" })
+  {
+    text = bad;
+    EXPECT_THROW(TakeDensity(text, "test"), InputError) << bad;
+  }
+}
+
 TEST(Composition, EdgesAreSharp)
 {
   // Rhodium's K edge at 23.22 keV: the coefficient jumps by a factor of about 6.
@@ -158,7 +185,8 @@ TEST(Composition, MaterialTablesTakeThem)
 {
   test::TemporaryFolder folder;
   folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
-    {"name": "cyst", "labels": [1], "attenuation": {"H": 0.1119, "O": 0.8881}},
+    {"name": "cyst", "labels": [1], "attenuation": {"H": 0.1119, "O": 0.8881},
+      "density_g_per_cm3": 1},
     {"name": "chalk", "labels": [2], "attenuation": "CaCO3", "density_g_per_cm3": 2.7}]})");
   const MaterialTable table = ReadMaterialTable(folder.File("table.json"));
   const Beam beam = MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);

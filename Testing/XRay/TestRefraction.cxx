@@ -241,9 +241,10 @@ TEST(RefractiveDecrement, KnownValuesAndRefusals)
 {
   // Henke, Gullikson and Davis (CXRO): water 5.76e-7 at 20 keV, aluminium 5.4e-6 at 10 keV; 1 %:
   // other tables.
-  EXPECT_NEAR(RefractiveDecrement("H2O", 20), 5.76e-7, 6e-9);
+  EXPECT_NEAR(RefractiveDecrement("Water, Liquid", 20), 5.76e-7, 6e-9);
   EXPECT_NEAR(RefractiveDecrement("Al", 10), 5.46e-6, 6e-8);
-  EXPECT_NEAR(RefractiveDecrement("H2O", 20, 2), 2 * RefractiveDecrement("H2O", 20), 1e-15);
+  EXPECT_NEAR(RefractiveDecrement("H2O", 20, 2), 2 * RefractiveDecrement("H2O", 20, 1), 1e-15);
+  EXPECT_THROW(RefractiveDecrement("H2O", 20), InputError);
   // Far above all edges by the density of electrons, as the square of the wavelength; carbon's
   // other scattering factor is 5e-4 of its electrons at 20 keV.
   EXPECT_NEAR(RefractiveDecrement("C", 40) / RefractiveDecrement("C", 20), 0.25, 0.25 * 1e-3);

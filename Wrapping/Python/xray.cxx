@@ -50,8 +50,8 @@ bool GoesOn(double /*fraction*/, const char* /*stage*/)
   return PyErr_CheckSignals() == 0;
 }
 
-/// Table and density of a material; or, where the table has no name, its linear attenuation at each
-/// energy, 1/mm. Without both the region is not in the mesh.
+/// Table and density (0: its own) of a material; or, where the table has no name, its linear
+/// attenuation at each energy, 1/mm. Without both the region is not in the mesh.
 using Attenuation = std::tuple<std::string, double, std::vector<double>>;
 
 /// `attenuations`: of regions 1, 2, ... The scene has no samples: the projector has them.
@@ -69,11 +69,12 @@ Scene MakeScene(const std::vector<double>& energies, const std::vector<double>& 
   for (const auto& [name, density, coefficients] : attenuations)
   {
     const std::string region = "region " + std::to_string(scene.Attenuations.size());
-    scene.Materials.Materials.push_back(
-      { .Name = region, .Attenuation = name, .DensityGPerCm3 = name.empty() ? 1 : density });
     scene.Attenuations.push_back(!name.empty() ? FindAttenuationTable(name)
         : coefficients.empty()                 ? AttenuationTable()
                                : AttenuationTable{ region, 1, energies, coefficients });
+    scene.Materials.Materials.push_back({ .Name = region,
+      .Attenuation = name,
+      .DensityGPerCm3 = scene.Attenuations.back().DensityOf(density) });
   }
   return scene;
 }
@@ -349,6 +350,8 @@ PYBIND11_MODULE(_xray, module)
     .def_property_readonly("device", &MeshProjector::DeviceName)
     .def_property_readonly("method", &MeshProjector::Method);
   module.def("materials", &Materials);
+  module.def("density",
+    [](const std::string& attenuation) { return FindAttenuationTable(attenuation).DensityOf(0); });
   module.def("spectrum",
     [](const std::string& pathOrName)
     {

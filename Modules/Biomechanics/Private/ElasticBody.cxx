@@ -134,7 +134,12 @@ double ElasticBody::CellDensity(std::size_t cell) const
   double density = 0;
   for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
   {
-    density += this->Parts[p].CellShare * this->Table[this->Parts[p].Material].DensityGPerCm3;
+    const double ofPart = this->Table[this->Parts[p].Material].DensityGPerCm3;
+    if (ofPart == 0)
+    {
+      return 0;
+    }
+    density += this->Parts[p].CellShare * ofPart;
   }
   return density;
 }
@@ -375,7 +380,8 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
       material.YoungsModulusKPa);
     need(material.PoissonRatio >= 0 && material.PoissonRatio < 0.5, "a Poisson's ratio in [0, 0.5)",
       material.PoissonRatio);
-    need(material.DensityGPerCm3 > 0, "a positive density, g/cm^3", material.DensityGPerCm3);
+    need(material.DensityGPerCm3 >= 0 && std::isfinite(material.DensityGPerCm3),
+      "a positive density, g/cm^3", material.DensityGPerCm3);
     need(material.FungExponent >= 0 &&
         material.FungExponent <= ElasticMaterial::LargestFungExponent,
       "a Fung exponent in [0, 50]", material.FungExponent);

@@ -55,6 +55,11 @@ std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>&
     if (!fixedCells[cell])
     {
       density[cell] = WeightDensity * body.CellDensity(cell);
+      if (density[cell] == 0 && Norm(gravityMPerS2) > 0)
+      {
+        throw InputError("gravity: expected the density, g/cm3, of every material that is not "
+                         "fixed, found none of one");
+      }
       tissue[cell] = 1;
       volume += body.CellVolume(cell);
     }

@@ -19,7 +19,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
 
 from . import _filters
 from ._errors import InputError
-from ._projection import Detector, Materials, array_of, made_from, material_table, materials_of, three, whole, whole_array_of
+from ._projection import (Detector, Material, Materials, array_of, density_of, made_from, material_table, materials_of, three,
+                          whole, whole_array_of)
 
 Progress = Callable[[float], Any]
 _TETRAHEDRON = 10
@@ -256,12 +257,13 @@ def _table_of(materials: Optional[Materials], imaged: bool = True) -> Iterator[s
         raise InputError(f"materials: expected regions 1, 2, ... without a gap, found {sorted(known)}")
     entries: list[dict[str, Any]] = [{"name": "air", "labels": [0]}]
     for region, material in sorted(known.items()):
-        attenuation = material.attenuation if imaged else "H2O"  # every table says one
+        attenuation = material.attenuation if imaged else "Water, Liquid"  # every table says one
         if not isinstance(attenuation, str):
             raise InputError(f"materials[{region}].attenuation: expected a name, found {attenuation!r}")
+        density = density_of(material, region)
         entries.append({
             "name": material.name or f"region {region}", "labels": [region], "attenuation": attenuation,
-            "density_g_per_cm3": material.density, "youngs_modulus_kpa": material.youngs_modulus,
+            **({} if density is None else {"density_g_per_cm3": density}), "youngs_modulus_kpa": material.youngs_modulus,
             "poisson_ratio": material.poisson_ratio, "fung_exponent": material.fung_exponent, "fixed": material.fixed})
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "materials.json")
@@ -345,13 +347,21 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
         compression.SetInputData(1, _mesh_grid(simulation_mesh, "simulation_mesh"))
     for region, material in (material_table(materials) if isinstance(materials, str) else materials_of(materials)).items():
         compression.SetMaterial(region, material.youngs_modulus, material.poisson_ratio, material.fixed, material.fung_exponent,
-                                material.density)
+                                weighed_density(material, region))
     compression.Update()
     grid = compression.GetOutput()
     return Compression(
         _points(grid), _values(grid.GetPointData(), "Displacement"), _values(grid.GetPointData(), "ContactPressureKPa"),
         _values(grid.GetCellData(), "J"), _values(grid.GetCellData(), "VonMisesStressKPa"), float(_field(grid, "ThicknessMm")[0]),
         float(_field(grid, "PaddleForceN")[0]), _placement(grid))
+
+
+def weighed_density(material: Material, region: int) -> float:
+    """The density by which the material weighs, or 0 where nobody knows it."""
+    density = density_of(material, region)
+    if density is None and isinstance(material.attenuation, str) and material.attenuation:
+        return float(_xray.density(material.attenuation))
+    return density or 0.0
 
 
 def _mammogram_image(mammogram: Mammogram) -> Any:

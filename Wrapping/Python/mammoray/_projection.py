@@ -95,7 +95,7 @@ class Material:
 
     attenuation: name of a table ("adipose", "glandular", "muscle", ...), compound ("Water, Liquid"), formula ("H2O") or mass
         fractions ("H:0.112 O:0.888"); or a number, 1/mm, the same at all energies; or one for each energy of the spectrum, 1/mm
-    density: g/cm^3, to which a table is scaled
+    density: g/cm^3. Elements, NIST's compounds and tables have one of their own; formulas and mass fractions need it
     youngs_modulus: at small strain, kPa
     poisson_ratio: [0, 0.5)
     fung_exponent: how fast it stiffens, [0, 50]; 0: neo-Hookean
@@ -103,7 +103,7 @@ class Material:
     name: for messages
     """
     attenuation: Union[str, float, Sequence[float], None] = None
-    density: float = 1.0
+    density: Optional[float] = None
     youngs_modulus: float = 5.0
     poisson_ratio: float = 0.49
     fung_exponent: float = 0.0
@@ -217,7 +217,7 @@ def _scene_of(materials: Materials, regions: set[int], spectrum: Spectrum, photo
     attenuations = []
     for region in range(1, max(regions, default=0) + 1):
         if region not in regions:
-            attenuations.append(("", 1.0, []))
+            attenuations.append(("", 0.0, []))
         elif region not in known or known[region].attenuation is None:
             raise InputError(f"materials: region {region} of the mesh has no attenuation; regions "
                              f"{', '.join(str(r) for r, m in sorted(known.items()) if m.attenuation is not None)} have one")
@@ -228,14 +228,25 @@ def _scene_of(materials: Materials, regions: set[int], spectrum: Spectrum, photo
     return _xray.Scene(energies, photons, bool(photon_counting), attenuations)
 
 
+def density_of(material: Material, region: int) -> Optional[float]:
+    """The density that is stated, if one is."""
+    if material.density is None:
+        return None
+    density = float(array_of([material.density], f"materials[{region}].density", (1,))[0])
+    if density <= 0:
+        raise InputError(f"materials[{region}].density: expected a positive number, g/cm^3, found {density:g}")
+    return density
+
+
 def _attenuation(material: Material, region: int, energies: int) -> tuple[str, float, list[float]]:
     value: Any = material.attenuation
     if isinstance(value, str):
-        return value, float(material.density), []
+        density = density_of(material, region)
+        return value, 0.0 if density is None else density, []
     name = f"materials[{region}].attenuation"
     if numpy.ndim(value) == 0:
-        return "", 1.0, array_of([value], name, (1,)).tolist() * energies
-    return "", 1.0, array_of(value, name, (energies,)).tolist()
+        return "", 0.0, array_of([value], name, (1,)).tolist() * energies
+    return "", 0.0, array_of(value, name, (energies,)).tolist()
 
 
 class Projector:
