@@ -40,7 +40,8 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     "the MRI of the same session with fat suppression, beside a plain --image\n(chest wall and "
     "gland are found from both)");
   add("-o,--output", arguments.Output,
-    "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
+    "label volume to write, frame and axes of the MRI\n(.seg.nrrd for 3D Slicer, names and colours "
+    "within; .nii.gz .mha .nrrd, names and colours beside in a .txt for ITK-SNAP)")
     ->required();
   add("--picture", arguments.Picture, "draw slices of the MRI with the labels' outlines (.png)");
   add(Shared::Orientation, arguments.Orientation);
@@ -70,6 +71,10 @@ void CheckArguments(const SegmentArguments& arguments)
 {
   CheckOutputFile(arguments.Output);
   CheckLabelVolumeExtension(arguments.Output);
+  if (!HoldsLabelNames(arguments.Output))
+  {
+    CheckOutputFile(LabelDescriptionOf(arguments.Output));
+  }
   CheckPictureFile(arguments.Picture);
 }
 
@@ -110,10 +115,11 @@ void Run(SegmentArguments& arguments)
   const MaterialTable table = FindMaterialTable("segment");
   const VolumeAxes axes = AxesOf(Program().AxesAsGiven);
   const IntensityVolume image = ReadIntensityVolume(arguments.Image, axes);
-  const SegmentationResult result = arguments.Suppressed.empty()
+  SegmentationResult result = arguments.Suppressed.empty()
     ? SegmentBreast(image, arguments.Options, MakeProgressBar())
     : SegmentBreast(image, ReadIntensityVolume(arguments.Suppressed, axes), arguments.Options,
         MakeProgressBar());
+  result.Labels.Names = table.LabelNames();
   WriteLabelVolume(result.Labels, arguments.Output);
   if (!arguments.Picture.empty())
   {
@@ -130,7 +136,7 @@ void AddSegmentCommand(CLI::App& application)
     "A first label volume from a T1-weighted breast MRI: prone, with or without fat "
     "suppression.\nLabels: 0 air, 1 fat, 2 gland, 3 skin, 4 chest wall; the material table "
     "'segment' goes with them.\nLook at --picture before you use it.",
-    "segment --image t1-series/ -o labels.nii.gz --picture labels.png", Declare, Run);
+    "segment --image t1-series/ -o labels.seg.nrrd --picture labels.png", Declare, Run);
 }
 #else
 void AddSegmentCommand(CLI::App& application)

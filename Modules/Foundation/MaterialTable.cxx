@@ -171,6 +171,19 @@ std::vector<std::string> MaterialTable::Names() const
   return names;
 }
 
+std::map<int, std::string> MaterialTable::LabelNames() const
+{
+  std::map<int, std::string> names;
+  for (const auto& [label, material] : this->MaterialOfLabel)
+  {
+    if (material != 0)
+    {
+      names[label] = this->Materials[static_cast<std::size_t>(material)].Name;
+    }
+  }
+  return names;
+}
+
 std::vector<bool> MaterialTable::Fixed() const
 {
   std::vector<bool> fixed;

@@ -70,6 +70,8 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
   int IndexOf(const std::string& name) const;
   /// One entry per material, in order.
   std::vector<std::string> Names() const;
+  /// The name of each label's material, for LabelVolume::Names, without air.
+  std::map<int, std::string> LabelNames() const;
   std::vector<bool> Fixed() const;
   /// Indices of the materials that are Thin.
   std::vector<int> Thin() const;

@@ -2,19 +2,37 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include "Private/InputFile.h"
+#include "Private/LabelNames.h"
 #include "Private/VolumeFile.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <sstream>
 
 namespace mammoray
 {
 /// Passes a volume between a reader's process and this one.
-template <typename Volume>
-requires std::is_base_of_v<VolumeGrid, Volume>
-void Exchange(Parcel& parcel, Volume& volume)
+static void Exchange(Parcel& parcel, LabelVolume& volume)
+{
+  std::vector<int> labels;
+  std::vector<std::string> names;
+  for (const auto& [label, name] : volume.Names)
+  {
+    labels.push_back(label);
+    names.push_back(name);
+  }
+  parcel(static_cast<VolumeGrid&>(volume), volume.Voxels, labels, names);
+  for (std::size_t index = 0; index < labels.size(); ++index)
+  {
+    volume.Names[labels[index]] = names[index];
+  }
+}
+
+static void Exchange(Parcel& parcel, IntensityVolume& volume)
 {
   parcel(static_cast<VolumeGrid&>(volume), volume.Voxels);
 }
@@ -42,6 +60,7 @@ LabelVolume DecodeLabels(const std::string& path, VolumeAxes axes)
         volume.Voxels.push_back(static_cast<std::uint16_t>(values[n]));
       }
     });
+  volume.Names = ReadLabelNames(path);
   return volume;
 }
 
@@ -100,17 +119,32 @@ void CheckLabelVolumeExtension(const std::string& path)
   }
 }
 
+bool HoldsLabelNames(const std::string& path)
+{
+  return ExtensionOf(path) == ".nrrd" &&
+    ExtensionOf(std::filesystem::path(path).stem().string()) == ".seg";
+}
+
 void WriteLabelVolume(const LabelVolume& volume, const std::string& path)
 {
   volume.Validate(path);
   CheckLabelVolumeExtension(path);
+  const bool isNamed = !volume.Names.empty();
+  const auto pairs =
+    isNamed && HoldsLabelNames(path) ? SegmentPairs(volume) : std::map<std::string, std::string>();
   if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(), [](auto v) { return v < 256; }))
   {
     const std::vector<std::uint8_t> small(volume.Voxels.begin(), volume.Voxels.end());
-    WriteVolumeFile(path, volume, small.data());
-    return;
+    WriteVolumeFile(path, volume, small.data(), 1, true, pairs);
   }
-  WriteVolumeFile(path, volume, volume.Voxels.data());
+  else
+  {
+    WriteVolumeFile(path, volume, volume.Voxels.data(), 1, true, pairs);
+  }
+  if (isNamed && !HoldsLabelNames(path))
+  {
+    WriteAtomicFile(LabelDescriptionOf(path), LabelDescription(volume));
+  }
 }
 
 void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path)

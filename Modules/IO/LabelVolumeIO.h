@@ -6,6 +6,7 @@
 #include "mammoray/Foundation/Volumes.h"
 #include "mammorayIOModule.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,9 @@ inline VolumeAxes AxesOf(bool asGiven)
  * NIfTI-1 (.nii, .nii.gz; sform if its code is 1, otherwise qform).
  *
  * The volume has three dimensions (NIfTI may add dimensions of size 1) and any scalar type with
- * whole values in [0, 65535]. Throws InputError, one line that names the file, if it is missing,
+ * whole values in [0, 65535]. Its Names are those of 3D Slicer's segments in an NRRD's header, or
+ * else those of a label description of ITK-SNAP beside the file (LabelDescriptionOf); where both
+ * are there, they must agree. Throws InputError, one line that names the file, if it is missing,
  * short or damaged, on other dimensions, types, encodings or sheared axes, and on a value that is
  * no label, with its position. Memory grows with the data in the file, not with what the header
  * promises.
@@ -58,10 +61,26 @@ MAMMORAYIO_EXPORT InputError NoLabel(const std::string& place, double value);
 /// Throws InputError unless WriteLabelVolume knows the path's extension.
 MAMMORAYIO_EXPORT void CheckLabelVolumeExtension(const std::string& path);
 
+/// Path of the label description of ITK-SNAP that belongs to a volume file: "labels.txt" for
+/// "labels.nii.gz" and "labels.seg.nrrd".
+MAMMORAYIO_EXPORT std::string LabelDescriptionOf(const std::string& path);
+/// True for a file that ITK-SNAP's comment on label descriptions begins.
+MAMMORAYIO_EXPORT bool IsLabelDescription(const std::string& path);
+
+/// Returns true for .seg.nrrd, which holds the names of labels as 3D Slicer knows them. For other
+/// formats they stand in the LabelDescriptionOf the file.
+MAMMORAYIO_EXPORT bool HoldsLabelNames(const std::string& path);
+
+/// Red, green and blue of a label in pictures and files, from 1: Okabe and Ito's colours, which the
+/// colour-blind can tell apart; they repeat after eight labels.
+MAMMORAYIO_EXPORT std::array<unsigned char, 3> LabelColor(int label);
+
 /**
  * Writes labels as .nrrd (gzip), .mha (compressed) or .nii.gz (NIfTI-1) with 8 bits per voxel if
- * that is enough, otherwise 16. The file's frame is LPS. Throws InputError on another extension and
- * if the file cannot be written.
+ * that is enough, otherwise 16. The file's frame is LPS. Names, if there are any, are written with
+ * colours: into a .seg.nrrd as 3D Slicer's segments with terms of SNOMED CT, otherwise as
+ * LabelDescriptionOf the file. Throws InputError on another extension and if a file cannot be
+ * written.
  */
 MAMMORAYIO_EXPORT void WriteLabelVolume(const LabelVolume& volume, const std::string& path);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/StudyPictures.h"
 
 #include <algorithm>
@@ -204,7 +205,8 @@ LayeredPicture DrawBreast(const BreastInSpace& breast)
       eye.See(surface.Corner(triangle, 1)), eye.See(surface.Corner(triangle, 2)) };
     if (inner[triangle] > 0)
     {
-      const auto tone = tones.try_emplace(inner[triangle], GroupColor(tones.size()));
+      const auto tone =
+        tones.try_emplace(inner[triangle], LabelColor(static_cast<int>(tones.size()) + 1));
       picture.Draw(seen, tone.first->second);
     }
     else if (surface.FrontMaterials[triangle] == 0 || surface.BackMaterials[triangle] == 0)

@@ -2,6 +2,7 @@
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/Study/StudyPictures.h"
 
@@ -108,8 +109,7 @@ public:
         {
           const bool edge =
             this->WithEdges && (cell != cellAt(x + 1, y) || cell != cellAt(x, y + 1));
-          const PictureColor color =
-            GroupColor(static_cast<std::size_t>(this->MaterialOf(cell)) - 1);
+          const PictureColor color = LabelColor(this->MaterialOf(cell));
           picture.Set(left + x, low + y, edge ? Mixed(Black, color, 0.6) : color);
         }
       }
@@ -180,7 +180,7 @@ void WriteCutPicture(const std::vector<CutPanel>& panels,
     const auto index = static_cast<std::size_t>(material);
     legend.emplace_back(index < materialNames.size() ? materialNames[index]
                                                      : "material " + std::to_string(material),
-      GroupColor(index - 1));
+      LabelColor(material));
   }
   picture.Legend(left, picture.Height() - CutMargin, legend);
   const double barMm = TickStep(100 * pixelMm, 1);

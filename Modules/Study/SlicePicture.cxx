@@ -2,6 +2,7 @@
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/ContourLines.h"
 #include "mammoray/Study/StudyPictures.h"
 
@@ -53,7 +54,7 @@ struct Slice
 /// A tissue's colour, dark enough for marks and letters to stand out on it.
 PictureColor Subdued(int label)
 {
-  return Mixed(GroupColor(static_cast<std::size_t>(label) - 1), { 30, 30, 34 }, 0.45);
+  return Mixed(LabelColor(label), { 30, 30, 34 }, 0.45);
 }
 
 /// The box of a volume's labels, in the directions of the patient, and its slices.
@@ -141,7 +142,7 @@ public:
           (labelAt(x - 1, y) != label || labelAt(x + 1, y) != label || labelAt(x, y - 1) != label ||
             labelAt(x, y + 1) != label);
         picture.Set(slice.Left + x, slice.Low + y,
-          edge ? GroupColor(static_cast<std::size_t>(label) - 1)
+          edge ? LabelColor(label)
             : !this->Image && label > 0
             ? Subdued(label)
             : Grey(this->ValueAt(this->PointAt(slice, x, y)) / this->White));
@@ -243,8 +244,7 @@ LayeredPicture DrawLabelSlices(const IntensityVolume& image, const LabelVolume& 
     low -= PlaneTitleHeight;
   }
   picture.Legend(width - SliceLegendWidth, height - SliceMargin,
-    LegendOf(labels, names,
-      [](int label) { return GroupColor(static_cast<std::size_t>(label) - 1); }));
+    LegendOf(labels, names, [](int label) { return LabelColor(label); }));
   return { picture.Png(), width, height, {} };
 }
 

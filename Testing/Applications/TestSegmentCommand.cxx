@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 using namespace mammoray;
 using test::ReadFile;
@@ -84,8 +85,14 @@ TEST_F(SegmentCommand, MakesLabelsThatMeshTakes)
   // The ball of gland, 905 voxels, to the fifth that a voxel's half all over its surface is.
   EXPECT_NEAR(static_cast<double>(labels.CountLabels().at(2)), 905, 181);
 
+  EXPECT_EQ(labels.Names.at(4), "chest-wall");
+  EXPECT_THAT(ReadFile(this->Folder.File("labels.txt")), testing::HasSubstr("\"chest-wall\""));
+
   EXPECT_EQ(this->Run(arguments), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("--overwrite"));
+  std::filesystem::remove(this->Labels);
+  this->ExpectRefused(arguments, "labels.txt");
+  ASSERT_EQ(this->Run(arguments + " --overwrite"), 0) << this->Errors;
   const std::string mesh = this->Folder.File("mesh.vtu");
   const int status = this->Run("mesh --labels " + this->Labels +
     " --materials segment --facet-size 6 --cell-size 8 -o " + mesh);
@@ -107,14 +114,17 @@ TEST_F(SegmentCommand, TakesBothImagesOfASession)
       const float value = Breast(i, j, k);
       return value > 900 ? 0.2f * value : value > 300 ? 1.5f * value : value;
     });
+  const std::string segments = this->Folder.File("labels.seg.nrrd");
   const std::string arguments =
-    "segment --image " + plain + " -o " + this->Labels + " --label-spacing 0 --suppressed-image ";
+    "segment --image " + plain + " -o " + segments + " --label-spacing 0 --suppressed-image ";
   ASSERT_EQ(this->Run(arguments + suppressed), 0) << this->Errors;
-  const LabelVolume labels = ReadLabelFile(this->Labels);
+  const LabelVolume labels = ReadLabelFile(segments);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 20, 25)], 2);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 28, 25)], 1);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 40, 25)], 4);
   EXPECT_NEAR(static_cast<double>(labels.CountLabels().at(2)), 905, 181);
+  EXPECT_EQ(labels.Names.at(2), "gland");
+  EXPECT_FALSE(std::filesystem::exists(this->Folder.File("labels.txt")));
   this->ExpectRefused(arguments + this->Folder.File("absent") + " --overwrite", "no such file");
 }
 

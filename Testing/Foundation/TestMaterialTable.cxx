@@ -132,6 +132,9 @@ TEST(MaterialTable, ListsWhatMaterialsAre)
   table.Materials.push_back(
     Material{ .Name = "muscle", .Attenuation = "glandular", .Fixed = true });
   EXPECT_THAT(table.Names(), testing::ElementsAre("air", "fat", "gland", "muscle"));
+  EXPECT_THAT(table.LabelNames(),
+    testing::ElementsAre(testing::Pair(1, "fat"), testing::Pair(2, "fat"),
+      testing::Pair(29, "gland")));
   EXPECT_THAT(table.Fixed(), testing::ElementsAre(false, false, false, true));
   EXPECT_THAT(table.Thin(), testing::ElementsAre(1));
   EXPECT_THAT(table.Glandular(), testing::ElementsAre(2)); // muscle is held

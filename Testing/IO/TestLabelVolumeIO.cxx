@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 
 using mammoray::test::NotRefused;
@@ -339,6 +340,119 @@ TEST(LabelVolumeIO, DetachedHeaders)
     "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 "
     "1\nHeaderSize = 3\nElementDataFile = d.raw\n");
   EXPECT_THAT(ReadLabelFile(mhd).Voxels, testing::ElementsAre(1, 2));
+}
+
+namespace
+{
+LabelVolume Named()
+{
+  LabelVolume volume = Oblique();
+  for (std::uint16_t& voxel : volume.Voxels)
+  {
+    voxel = static_cast<std::uint16_t>(voxel / 10 % 5);
+  }
+  volume.Names = { { 1, "fat" }, { 2, "gland" }, { 3, "skin" }, { 4, "chest-wall" } };
+  return volume;
+}
+
+/// The header of a .seg.nrrd of two voxels, with pairs of segments.
+std::string SegmentFile(const std::string& pairs)
+{
+  return "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 1 1\n"
+         "space directions: (1,0,0) (0,1,0) (0,0,1)\nkinds: domain domain domain\n"
+         "encoding: raw\nspace origin: (0,0,0)\n" +
+    pairs + "\n\1\2";
+}
+}
+
+TEST(LabelVolumeIO, SegmentsOfSlicerComeBack)
+{
+  const TemporaryFolder folder;
+  const LabelVolume volume = Named();
+  const std::string path = folder.File("labels.seg.nrrd");
+  WriteLabelVolume(volume, path);
+  const LabelVolume read = ReadLabelFile(path);
+  ExpectSame(read, volume);
+  EXPECT_EQ(read.Names, volume.Names);
+  // All that 3D Slicer needs to show them (Slicer's developer guide, .seg.nrrd).
+  const std::string bytes = ReadFile(path);
+  for (const char* pair : { "Segment1_ID:=Segment_2", "Segment1_Name:=gland",
+         "Segment1_LabelValue:=2", "Segment1_Layer:=0", "Segment1_Extent:=0 2 0 3 0 1",
+         "Segment1_Color:=0.337255 0.705882 0.913725", "~SCT^82038008^Skin of breast~",
+         "Segmentation_ContainedRepresentationNames:=Binary labelmap|" })
+  {
+    EXPECT_THAT(bytes, testing::HasSubstr(pair));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.File("labels.txt")));
+}
+
+TEST(LabelVolumeIO, LabelDescriptionsOfItkSnapComeBack)
+{
+  const TemporaryFolder folder;
+  const LabelVolume volume = Named();
+  for (const char* name : { "a.nii.gz", "b.mha", "c.nrrd" })
+  {
+    const std::string path = folder.File(name);
+    WriteLabelVolume(volume, path);
+    EXPECT_EQ(ReadLabelFile(path).Names, volume.Names) << name;
+    EXPECT_EQ(LabelDescriptionOf(path), folder.File(std::string(1, name[0]) + ".txt"));
+  }
+  const std::string description = ReadFile(folder.File("a.txt"));
+  EXPECT_THAT(description, testing::HasSubstr("# ITK-SnAP Label Description File"));
+  EXPECT_THAT(description,
+    testing::HasSubstr("    2    86  180  233        1  1  1    \"gland\"\n"));
+  // As ITK-SNAP writes it, with labels of its own, and by a program with other ends of lines.
+  folder.Write("a.txt",
+    "################################################\r\n# ITK-SnAP Label Description File\r\n"
+    "    0     0    0    0        0  0  0    \"Clear Label\"\r\n"
+    "    1   255    0    0        1  1  1    \"skin\"\r\n\r\n"
+    "    7     0  255    0     0.50  1  0    \"Label 7\"\r\n");
+  EXPECT_THAT(ReadLabelFile(folder.File("a.nii.gz")).Names,
+    testing::ElementsAre(testing::Pair(1, "skin"), testing::Pair(7, "Label 7")));
+  // Another text is none of its business.
+  folder.Write("a.txt", "1 how this was made\n");
+  EXPECT_THAT(ReadLabelFile(folder.File("a.nii.gz")).Names, testing::IsEmpty());
+}
+
+TEST(LabelVolumeIO, NamesAreThoseOfSegmentsInWhateverOrder)
+{
+  const TemporaryFolder folder;
+  const auto names = [&folder](const std::string& pairs)
+  { return ReadLabelFile(folder.Write("a.seg.nrrd", SegmentFile(pairs))).Names; };
+  EXPECT_THAT(names("Segment0_ID:=b\nSegment0_LabelValue:=2\nSegment0_Layer:=0\n"
+                    "Segment0_Name:=fat\nSegment1_LabelValue:=1\nSegment1_Name:=gland\n"),
+    testing::ElementsAre(testing::Pair(1, "gland"), testing::Pair(2, "fat")));
+  EXPECT_THAT(names("Segment0_ID:=Segment_3\nSegment0_LabelValue:=2\n"),
+    testing::ElementsAre(testing::Pair(2, "Segment_3")));
+  EXPECT_THAT(names("Segmentation_SourceRepresentation:=Binary labelmap\nAuthor:=nobody\n"),
+    testing::IsEmpty());
+}
+
+TEST(LabelVolumeIO, ContradictoryNamesAreRefused)
+{
+  const TemporaryFolder folder;
+  const auto refusal = [&folder](const std::string& pairs)
+  { return ReadMessage(folder.Write("a.seg.nrrd", SegmentFile(pairs))); };
+  const std::string fat = "Segment0_Name:=fat\nSegment0_LabelValue:=1\n";
+  EXPECT_THAT(refusal(fat + "Segment1_Name:=gland\nSegment1_LabelValue:=1\n"),
+    testing::HasSubstr("a.seg.nrrd: expected one name for label 1, found 'fat' and 'gland'"));
+  EXPECT_THAT(refusal("Segment0_Name:=fat\nSegment0_LabelValue:=one\n"),
+    testing::HasSubstr(
+      "Segment0_LabelValue: expected a whole number from 1 to 65535, found 'one'"));
+  const std::string mark = "# ITK-SnAP Label Description File\n";
+  folder.Write("a.txt", mark + "1 255 0 0 1 1 1 \"gland\"\n");
+  EXPECT_THAT(refusal(fat),
+    testing::AllOf(testing::HasSubstr("found 'fat' in it and 'gland' in"),
+      testing::HasSubstr("a.txt beside it")));
+  folder.Write("a.txt", mark + "1 255 0 0 1 1 1 \"fat\"\n");
+  EXPECT_EQ(refusal(fat), NotRefused);
+  for (const char* line : { "1 255 0 0 1 1 \"fat\"", "1 255 0 0 1 1 1 fat",
+         "x 255 0 0 1 1 1 \"fat\"", "1 255 0 0 1 1 1 1 \"fat\"", "1.5 255 0 0 1 1 1 \"fat\"" })
+  {
+    folder.Write("a.txt", mark + line + "\n");
+    EXPECT_THAT(refusal(fat), testing::HasSubstr("a.txt: line 2: expected a label, its colour"))
+      << line;
+  }
 }
 
 TEST(LabelVolumeIO, TheThreeFormatsOfThePhantomsAreOneVolume)

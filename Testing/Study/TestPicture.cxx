@@ -90,7 +90,6 @@ TEST(Picture, ColoursMixAndTicksAreRound)
 {
   EXPECT_EQ(Grey(2), (PictureColor{ 255, 255, 255 }));
   EXPECT_EQ(Mixed({ 0, 100, 200 }, { 100, 0, 200 }, 0.25), (PictureColor{ 25, 75, 200 }));
-  EXPECT_EQ(GroupColor(1), GroupColor(9));
   EXPECT_NEAR(TickStep(10, 5), 2, 1e-12);
   EXPECT_NEAR(TickStep(0.03, 5), 0.005, 1e-12);
   EXPECT_NEAR(TickStep(80, 8), 10, 1e-12);

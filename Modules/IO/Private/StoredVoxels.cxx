@@ -36,13 +36,17 @@ std::string Trim(const std::string& text)
                                     : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Adds the field of a line; returns its key, empty where the line has none.
+/// Adds the field or pair of a line; returns a field's key, empty where the line has none.
 std::string AddField(TextHeader& header, const std::string& line, char separator)
 {
   const auto at = line.find(separator);
-  // NRRD's "key:=value" is of no meaning to the format.
-  if (at == std::string::npos || line[0] == '#' || line.compare(at, 2, ":=") == 0)
+  if (at == std::string::npos || line[0] == '#')
   {
+    return {};
+  }
+  if (line.compare(at, 2, ":=") == 0)
+  {
+    header.Pairs[line.substr(0, at)] = Trim(line.substr(at + 2));
     return {};
   }
   std::string key = Lower(line.substr(0, at));

@@ -17,6 +17,8 @@ struct MAMMORAYIO_EXPORT TextHeader
   std::string Path;
   /// Keys in lower case and without blanks: "space directions" is "spacedirections".
   std::map<std::string, std::string> Fields;
+  /// NRRD's "key:=value", which mean something to programs alone; keys as they stand.
+  std::map<std::string, std::string> Pairs;
   /// Bytes up to the first one after the header.
   std::uint64_t Bytes = 0;
 

@@ -352,7 +352,7 @@ void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes
 
 template <typename T>
 void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const T* voxels,
-  unsigned channels, bool compressed)
+  unsigned channels, bool compressed, const std::map<std::string, std::string>& pairs)
 {
   const std::string extension = ExtensionOf(path);
   itk::ImageIOBase::Pointer writer = itk::NrrdImageIO::New().GetPointer();
@@ -387,6 +387,10 @@ void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const T* v
       std::vector<double>(grid.Direction[a].begin(), grid.Direction[a].end()));
   }
   writer->SetIORegion(region);
+  for (const auto& [key, value] : pairs)
+  {
+    itk::EncapsulateMetaData<std::string>(writer->GetMetaDataDictionary(), key, value);
+  }
   WriteAtomicFile(path,
     [&](const std::string& staged)
     {
@@ -396,8 +400,9 @@ void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const T* v
 }
 
 template void WriteVolumeFile(const std::string&, const VolumeGrid&, const std::uint8_t*, unsigned,
-  bool);
+  bool, const std::map<std::string, std::string>&);
 template void WriteVolumeFile(const std::string&, const VolumeGrid&, const std::uint16_t*, unsigned,
-  bool);
-template void WriteVolumeFile(const std::string&, const VolumeGrid&, const float*, unsigned, bool);
+  bool, const std::map<std::string, std::string>&);
+template void WriteVolumeFile(const std::string&, const VolumeGrid&, const float*, unsigned, bool,
+  const std::map<std::string, std::string>&);
 }

@@ -6,6 +6,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <functional>
+#include <map>
 #include <string>
 
 namespace mammoray
@@ -30,11 +31,13 @@ inline bool IsVolumeExtension(const std::string& extension)
 /**
  * Writes voxels (std::uint8_t, std::uint16_t or float), i fastest, as a file of the format that the
  * extension (.nrrd, .mha, .nii.gz) names; the frame is called LPS. Each voxel has `channels`
- * values, one after the other. Throws InputError when it cannot be written.
+ * values, one after the other. `pairs` go into the header of a .nrrd. Throws InputError when it
+ * cannot be written.
  */
 template <typename T>
 void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const T* voxels,
-  unsigned channels = 1, bool compressed = true);
+  unsigned channels = 1, bool compressed = true,
+  const std::map<std::string, std::string>& pairs = {});
 }
 
 #endif

@@ -19,8 +19,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr PictureColor Palette[] = { { 230, 159, 0 }, { 86, 180, 233 }, { 0, 158, 115 },
-  { 240, 228, 66 }, { 0, 114, 178 }, { 213, 94, 0 }, { 204, 121, 167 }, { 120, 120, 120 } };
 constexpr int TextDpi = 96;
 constexpr int HaloPixels = 2;
 constexpr double LeastStepPixels = 0.7;
@@ -43,11 +41,6 @@ std::string HexColor(const PictureColor& color)
   std::snprintf(text, sizeof text, "#%02x%02x%02x", color[0], color[1], color[2]);
   return text;
 }
-}
-
-PictureColor GroupColor(std::size_t group)
-{
-  return Palette[group % std::size(Palette)];
 }
 
 PictureColor Grey(double brightness)

@@ -18,8 +18,6 @@ namespace mammoray
 /// Red, green and blue.
 using PictureColor = std::array<unsigned char, 3>;
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart; they repeat after eight groups.
-MAMMORAYSTUDY_EXPORT PictureColor GroupColor(std::size_t group);
 /// The colour of axes and text.
 inline constexpr PictureColor PictureInk{ 40, 40, 40 };
 /// Orange and blue add up to white and are told apart by the colour-blind.
