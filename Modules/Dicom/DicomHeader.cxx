@@ -90,6 +90,7 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   header.FlipAngleDeg = DicomNumber(data, DCM_FlipAngle);
   header.DiffusionBValue = Double(data, DCM_DiffusionBValue);
   header.ContrastAgent = Shown(DicomTexts(data, DCM_ContrastBolusAgent));
+  header.ContrastStartTime = Shown(DicomText(data, DCM_ContrastBolusStartTime));
   header.TemporalPosition = DicomNumber(data, DCM_TemporalPositionIdentifier);
   header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
 }

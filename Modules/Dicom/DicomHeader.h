@@ -98,6 +98,7 @@ struct DicomHeader : SlicePlace
   std::optional<double> FlipAngleDeg;
   std::optional<double> DiffusionBValue; ///< s/mm^2
   std::string ContrastAgent;
+  std::string ContrastStartTime; ///< HHMMSS.FFFFFF of the injection.
   /// Enhanced objects only: "FAT", "WATER", "NONE", ... and "T1", "T2", "DIFFUSION", ...
   std::string SpectralSuppression;
   std::string AcquisitionContrast;

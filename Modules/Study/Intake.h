@@ -56,6 +56,8 @@ struct StudySeries
   /// The words or values of headers that showed fat suppression and contrast. Empty if none did.
   std::string FatEvidence;
   std::string ContrastEvidence;
+  /// True if nothing but the order of the series shows that it was taken before contrast.
+  bool ContrastByOrder = false;
   /// Number of this volume and number of volumes at one place in the series, from 1.
   int Phase = 1;
   int Phases = 1;
@@ -115,7 +117,8 @@ struct StudyChoice
   /// What there is. Each series and mammogram has its Reason.
   Study Found;
   /// T1-weighted volumes of one position of the patient: without and with fat suppression, both if
-  /// possible. Undetermined is set alone, if no header tells whether fat is suppressed.
+  /// possible. Undetermined is set where no Plain is, if no header tells whether fat is suppressed
+  /// in it; the histogram must.
   std::optional<StudySeries> Plain;
   std::optional<StudySeries> FatSuppressed;
   std::optional<StudySeries> Undetermined;

@@ -2,6 +2,7 @@
 #include "mammoray/Study/StudyCase.h"
 
 #include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/LabelSource.h"
@@ -77,16 +78,42 @@ StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
                                   : FatContrast::Auto;
   const IntensityVolume image =
     ReadIntensitySlices(first.Slices, PartOf(progress, 0, 0.1, "read the MRI"));
-  if (choice.Plain && choice.FatSuppressed)
+  const std::optional<StudySeries>& other =
+    choice.FatSuppressed && !choice.Plain ? choice.Undetermined : choice.FatSuppressed;
+  if (!other)
   {
-    const IntensityVolume suppressed = ReadIntensitySlices(choice.FatSuppressed->Slices,
-      PartOf(progress, 0.1, 0.2, "read the fat-suppressed MRI"));
-    return TissueOf(
-      SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")),
+    return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")),
       table);
   }
-  return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")),
-    table);
+  const IntensityVolume second =
+    ReadIntensitySlices(other->Slices, PartOf(progress, 0.1, 0.2, "read the other MRI"));
+  if (choice.Plain)
+  {
+    return TissueOf(
+      SegmentBreast(image, second, options, PartOf(progress, 0.2, 1, "segment the MRI")), table);
+  }
+  // No header tells of what kind it is: if fat turns out to be bright, it is the plain one.
+  SegmentationOptions open = options;
+  open.Contrast = FatContrast::Auto;
+  std::string why = "its fat is dark, too";
+  try
+  {
+    if (SegmentBreast(second, open, PartOf(progress, 0.2, 0.5, "look at the other MRI")).Contrast ==
+      FatContrast::FatBright)
+    {
+      return TissueOf(
+        SegmentBreast(second, image, options, PartOf(progress, 0.5, 1, "segment the MRI")), table);
+    }
+  }
+  catch (const InputError& error)
+  {
+    why = error.what();
+  }
+  StudyTissue tissue =
+    TissueOf(SegmentBreast(image, options, PartOf(progress, 0.5, 1, "segment the MRI")), table);
+  tissue.Warnings.push_back(
+    "'" + other->Description + "' is not used beside '" + first.Description + "': " + why);
+  return tissue;
 }
 #else
 StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&, bool)

@@ -59,7 +59,8 @@ MAMMORAYSTUDY_EXPORT void TakeStudy(const std::string& folder, std::optional<cha
 
 /**
  * Reads the MRI of a choice and segments it (SegmentBreast), without and with fat suppression
- * together if there are both. `table`: that of the labels; `acceptUnusual`: as in
+ * together if there are both. Undetermined counts as the former beside the latter if fat is bright
+ * in it, else a warning says so. `table`: that of the labels; `acceptUnusual`: as in
  * SegmentationOptions. Throws as these, and InputError in a build without Segmentation.
  */
 MAMMORAYSTUDY_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,

@@ -20,13 +20,18 @@ std::string InBrackets(const std::string& evidence)
   return evidence.empty() ? "" : " (" + evidence + ")";
 }
 
+bool IsBeforeForCertain(const StudySeries& series)
+{
+  return series.Contrast == ContrastPhase::Before && !series.ContrastByOrder;
+}
+
 /// Smaller is better: contrast, plane, the thickness of slices, voxels.
 auto RankOf(const StudySeries& series)
 {
   const Vector3 spacing = series.Grid->Spacing;
-  const int contrast = series.Contrast == ContrastPhase::Before ? 0
-    : series.Contrast == ContrastPhase::Unknown                 ? 1
-                                                                : 2;
+  const int contrast = IsBeforeForCertain(series) ? 0
+    : series.Contrast != ContrastPhase::After     ? 1
+                                                  : 2;
   // A tenth of a millimetre makes no better slices.
   const double thickness = std::round(10 * std::max({ spacing[0], spacing[1], spacing[2] }));
   return std::make_tuple(contrast, series.Plane == "axial" ? 0 : 1, thickness,
@@ -96,7 +101,8 @@ std::string WhyTaken(const StudySeries& series)
         ? "with fat suppression"
         : "of which no header tells whether fat is suppressed") +
     InBrackets(series.FatEvidence) +
-    (series.Contrast == ContrastPhase::Before ? ", before contrast" + evidence
+    (series.Contrast == ContrastPhase::Before
+        ? ", before contrast" + evidence + (series.ContrastByOrder ? " by order alone" : "")
         : series.Contrast == ContrastPhase::After
         ? ", after contrast" + evidence + " for want of one before"
         : ", no header tells of contrast");
@@ -115,7 +121,8 @@ std::string WhyNotTaken(const StudySeries& series, const StudySeries& better,
     return "left out: after contrast (" + series.ContrastEvidence + ")";
   }
   return "left out: '" + better.Description + "' is of the same kind, " +
-    (better.Contrast != series.Contrast ? "before contrast for certain" : "finer or earlier");
+    (IsBeforeForCertain(better) && !IsBeforeForCertain(series) ? "before contrast for certain"
+                                                               : "finer or earlier");
 }
 
 /// Lists the kinds of series that there are instead.
@@ -137,6 +144,14 @@ std::string WhyNoSeries(const std::vector<StudySeries>& all)
     found += (found.empty() ? "" : ", ") + kind + (count > 1 ? " x " + std::to_string(count) : "");
   }
   return "expected a T1-weighted MRI of the breast, found only: " + found;
+}
+
+/// Whether a series of which no header tells whether fat is suppressed may add anything to one
+/// where it is. `suppressed`: null if there is none.
+bool IsOfUse(const StudySeries& series, const StudySeries* suppressed)
+{
+  return !suppressed ||
+    (series.Contrast != ContrastPhase::After && AreOfOnePosition(series, *suppressed));
 }
 
 void ChooseTissue(StudyChoice& choice)
@@ -164,6 +179,12 @@ void ChooseTissue(StudyChoice& choice)
     }
     series->Reason = WhyTaken(*series);
     place = *series;
+    if (series->ContrastByOrder && series->Phases == 1 && MomentOf(series->Header).empty())
+    {
+      choice.Warnings.push_back("'" + series->Description +
+        "' is taken for the one before contrast by the numbers of series alone: their headers have "
+        "neither times nor an agent");
+    }
     if (series->Contrast == ContrastPhase::After && series->Fat != FatSuppression::Absent)
     {
       choice.Warnings.push_back("'" + series->Description +
@@ -172,9 +193,10 @@ void ChooseTissue(StudyChoice& choice)
   };
   take(plain, choice.Plain);
   take(suppressed, choice.FatSuppressed);
-  if (!plain && !suppressed)
+  if (StudySeries* const other = BestOf(candidates, FatSuppression::Unknown);
+      other && !plain && IsOfUse(*other, suppressed))
   {
-    take(BestOf(candidates, FatSuppression::Unknown), choice.Undetermined);
+    take(other, choice.Undetermined);
   }
   for (StudySeries* series : candidates)
   {

@@ -198,6 +198,40 @@ TEST(Intake, ScanOptionsThatNameFatSuppressionInOneSeriesDenyItInOthers)
   EXPECT_EQ(choice.Plain->Header.SeriesInstanceUid, "1.2.4");
 }
 
+TEST(Intake, WhatSaysNothingOfFatIsTakenBesideWhatDoes)
+{
+  MadeUpStudy files;
+  const auto ofOther = [](const std::string& series, const std::string& description)
+  { return MadeUpMr(series, description).Set(8, 0x70, "LO", "Philips").Remove(0x18, 0x22); };
+  MadeUpHeader plain = ofOther("1.2.4", "T1W_TSE");
+  SpinEcho(plain, "600", "10");
+  files.AddSlices(plain);
+  files.AddSlices(ofOther("1.2.5", "T1 SPAIR pre"));
+  AddViews(files, "L");
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
+  ASSERT_TRUE(choice.Undetermined && choice.FatSuppressed);
+  EXPECT_FALSE(choice.Plain);
+  EXPECT_EQ(choice.Undetermined->Header.SeriesInstanceUid, "1.2.4");
+  EXPECT_EQ(choice.Mri()->Header.SeriesInstanceUid, "1.2.5");
+}
+
+TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
+{
+  MadeUpStudy files;
+  for (const auto& [series, description] : { std::pair{ "1.2.5", "ax 3d dyn fs" },
+         { "1.2.6", "Ph1/ax 3d dyn fs" }, { "1.2.7", "Ph2/ax 3d dyn fs" } })
+  {
+    files.AddSlices(MadeUpMr(series, description));
+  }
+  AddViews(files, "L");
+  StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
+  ASSERT_TRUE(choice.FatSuppressed);
+  EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.5");
+  EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Each(Not(HasSubstr("for certain"))));
+  // No times: who reads the listing should know.
+  EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
+}
+
 TEST(Intake, TextsOfAnyLengthAndKindAreShown)
 {
   MadeUpStudy files;

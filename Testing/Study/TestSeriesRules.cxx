@@ -116,6 +116,101 @@ TEST(SeriesRules, VolumesOfOneProtocolAndWhatFollowsThem)
   EXPECT_EQ(all[4].Contrast, ContrastPhase::Unknown); // another examination
 }
 
+/// Series of these descriptions one after the other, a minute apart or without times.
+std::vector<StudySeries> InOrder(const std::vector<std::string>& descriptions, bool timed = true)
+{
+  std::vector<StudySeries> all;
+  for (const std::string& description : descriptions)
+  {
+    StudySeries series = PlainSeries(description);
+    series.Header.SeriesTime = timed ? std::to_string(100000 + 100 * all.size()) : "";
+    DescribeSeries(series);
+    all.push_back(series);
+  }
+  return all;
+}
+
+TEST(SeriesRules, WhatCountsFromOneFollowsWhatDoesNotCount)
+{
+  for (const auto& names : std::vector<std::vector<std::string>>{
+         { "ax 3d dyn", "Ph1/ax 3d dyn", "Ph2/ax 3d dyn", "Ph3/ax 3d dyn" },
+         { "ax 3d dyn", "Ph1/ax 3d dyn" }, { "t1_fl3d_dyn", "t1_fl3d_dyn_1", "t1_fl3d_dyn_2" },
+         { "AX DYN", "AX DYN phase 1", "AX DYN phase 2" }, { "dyn", "dyn 1/4", "dyn 2/4" },
+         { "pre ax dyn", "Ph1/ax dyn", "Ph2/ax dyn" }, { "ax dyn pre", "ax dyn", "ax dyn" },
+         { "Sag Vibrant", "P1 Sag Vibrant", "P2 Sag Vibrant", "P3 Sag Vibrant" } })
+  {
+    std::vector<StudySeries> all = InOrder(names);
+    // Scanners adapt the repetition time.
+    *all.back().Header.RepetitionTimeMs *= 1.01;
+    CompareSeries(all);
+    EXPECT_EQ(all[0].Contrast, ContrastPhase::Before) << names[1];
+    EXPECT_FALSE(all[0].ContrastByOrder) << names[1];
+    for (std::size_t phase = 1; phase < all.size(); ++phase)
+    {
+      EXPECT_EQ(all[phase].Contrast, ContrastPhase::After) << names[phase];
+    }
+    all = InOrder(names, false);
+    CompareSeries(all);
+    EXPECT_EQ(all[0].ContrastByOrder, !names[0].starts_with("pre") && !names[0].ends_with("pre"));
+  }
+}
+
+TEST(SeriesRules, WhatIsOfAnotherProtocolDoesNotCount)
+{
+  // Numbers from 0, an earlier series of other slices, and the other breast.
+  std::vector<StudySeries> zero = InOrder({ "ax dyn", "ax dyn 0", "ax dyn 1" });
+  CompareSeries(zero);
+  EXPECT_EQ(zero[1].Contrast, ContrastPhase::Before);
+  std::vector<StudySeries> finer = InOrder({ "ax dyn", "Ph1/ax dyn", "Ph2/ax dyn" });
+  finer[0].Slices.resize(50);
+  CompareSeries(finer);
+  EXPECT_EQ(finer[0].Contrast, ContrastPhase::Unknown);
+  EXPECT_TRUE(finer[1].ContrastByOrder);
+  std::vector<StudySeries> sides = InOrder({ "sag t1", "sag t1" });
+  sides[0].Side = 'L';
+  sides[1].Side = 'R';
+  CompareSeries(sides);
+  EXPECT_EQ(sides[0].Contrast, ContrastPhase::Unknown);
+  EXPECT_EQ(sides[1].Contrast, ContrastPhase::Unknown);
+}
+
+TEST(SeriesRules, OrderAloneMakesNothingCertain)
+{
+  const std::vector<std::string> names{ "dyn 1", "dyn 2", "dyn 3" };
+  std::vector<StudySeries> all = InOrder(names);
+  CompareSeries(all);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Before);
+  EXPECT_TRUE(all[0].ContrastByOrder);
+
+  all = InOrder(names);
+  all[1].Header.ContrastAgent = all[2].Header.ContrastAgent = "Gadovist";
+  CompareSeries(all);
+  EXPECT_FALSE(all[0].ContrastByOrder);
+
+  all = InOrder({ "dyn 1", "dyn 2", "dyn 3", "dyn 3 - dyn 1" });
+  CompareSeries(all);
+  EXPECT_FALSE(all[0].ContrastByOrder);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Before);
+
+  all = InOrder(names);
+  for (StudySeries& series : all)
+  {
+    series.Header.AcquisitionTime = series.Header.SeriesTime;
+    series.Header.ContrastStartTime = "100150";
+  }
+  CompareSeries(all);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Before);
+  EXPECT_EQ(all[1].Contrast, ContrastPhase::Before); // began before the injection
+  EXPECT_EQ(all[2].Contrast, ContrastPhase::After);
+  EXPECT_FALSE(all[1].ContrastByOrder);
+  // A time that is not of this examination tells nothing.
+  all = InOrder(names);
+  all[0].Header.AcquisitionTime = "100000";
+  all[0].Header.ContrastStartTime = "235959";
+  CompareSeries(all);
+  EXPECT_TRUE(all[0].ContrastByOrder);
+}
+
 TEST(SeriesRules, AnAgentTellsWhereNotAllHeadersNameIt)
 {
   std::vector<StudySeries> some{ PlainSeries("a"), PlainSeries("b"), PlainSeries("c") };

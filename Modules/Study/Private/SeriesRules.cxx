@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
+#include <cstdlib>
+#include <optional>
 #include <regex>
 #include <set>
 
@@ -378,12 +379,7 @@ void TellByWords(StudySeries& series)
   }
   if (pre.empty() != post.empty())
   {
-    return tell(post.empty(), "description '" + pre + post + "'");
-  }
-  if (series.Phases > 1)
-  {
-    tell(series.Phase == 1,
-      "phase " + std::to_string(series.Phase) + " of " + std::to_string(series.Phases));
+    tell(post.empty(), "description '" + pre + post + "'");
   }
 }
 
@@ -393,40 +389,228 @@ bool NamesAgent(const StudySeries& series)
   return !agent.empty() && FindMeaning(agent, M::NoAgent).empty();
 }
 
-/// Volumes of one protocol have the same key: the same but for numbers in the description.
-std::string DynamicKey(const StudySeries& series)
+/// Words of a description with '#' for each number that may count volumes, and these numbers.
+struct NumberedWords
 {
-  const DicomHeader& header = series.Header;
-  static const std::regex numbers("\\d(?:st|nd|rd|th)|\\d+");
-  char sizes[128];
-  std::snprintf(sizes, sizeof sizes, "|%g|%g|%g|%dx%dx%zu", header.RepetitionTimeMs.value_or(0),
-    header.EchoTimeMs.value_or(0), header.FlipAngleDeg.value_or(0), header.Columns, header.Rows,
-    series.Slices.size());
-  return std::regex_replace(WordsOf(header), numbers, "#") + sizes;
+  std::string Pattern;
+  std::vector<double> Numbers;
+
+  explicit NumberedWords(const std::string& words)
+  {
+    // "t1" and "3d" count nothing.
+    static const std::regex number("(?:^| )t[12]|\\d+d|(\\d+)(?:st|nd|rd|th)?");
+    auto last = words.begin();
+    for (std::sregex_iterator found(words.begin(), words.end(), number), end; found != end; ++found)
+    {
+      this->Pattern.append(last, (*found)[0].first);
+      last = (*found)[0].second;
+      const bool counts = (*found)[1].matched;
+      this->Pattern += counts ? "#" : found->str();
+      if (counts)
+      {
+        this->Numbers.push_back(std::strtod((*found)[1].str().c_str(), nullptr));
+      }
+    }
+    this->Pattern.append(last, words.end());
+  }
+
+  /// Which number is part of what `plain` lacks of this pattern, one piece: of "ph# ax dyn" and "ax
+  /// dyn" the first, 0. Nothing if they differ otherwise.
+  std::optional<std::size_t> CounterBeyond(const NumberedWords& plain) const
+  {
+    const std::string& all = this->Pattern;
+    const std::string& some = plain.Pattern;
+    if (some.empty() || all.size() <= some.size())
+    {
+      return {};
+    }
+    for (std::size_t before = 0; before <= some.size(); ++before)
+    {
+      const std::string piece = all.substr(before, all.size() - some.size());
+      if (all.compare(0, before, some, 0, before) == 0 &&
+        all.compare(before + piece.size(), std::string::npos, some, before) == 0 &&
+        piece.find('#') != std::string::npos)
+      {
+        return static_cast<std::size_t>(std::count(all.begin(), all.begin() + before, '#'));
+      }
+    }
+    return {};
+  }
+};
+
+/// Volumes of one protocol in their order: the same but for numbers in the description.
+struct DynamicGroup
+{
+  NumberedWords Words;
+  std::vector<StudySeries*> Volumes;
+};
+
+/// Whether two series differ in nothing but what their descriptions say.
+bool IsOfOneProtocol(const StudySeries& a, const StudySeries& b)
+{
+  // A fiftieth: scanners adapt the repetition time a little.
+  const auto near = [](const std::optional<double>& x, const std::optional<double>& y)
+  { return std::abs(x.value_or(0) - y.value_or(0)) <= 0.02 * std::abs(x.value_or(0)); };
+  const DicomHeader& first = a.Header;
+  const DicomHeader& second = b.Header;
+  return first.Identity.StudyInstanceUid == second.Identity.StudyInstanceUid && a.Fat == b.Fat &&
+    a.Side == b.Side && a.Slices.size() == b.Slices.size() && first.Columns == second.Columns &&
+    first.Rows == second.Rows && near(first.RepetitionTimeMs, second.RepetitionTimeMs) &&
+    near(first.EchoTimeMs, second.EchoTimeMs) && near(first.FlipAngleDeg, second.FlipAngleDeg);
+}
+
+/// Groups the volumes whose contrast no words tell.
+std::vector<DynamicGroup> FindDynamicGroups(std::vector<StudySeries>& all)
+{
+  std::vector<DynamicGroup> groups;
+  for (StudySeries& series : all)
+  {
+    if (!series.LeftOut.empty() || series.Contrast != ContrastPhase::Unknown)
+    {
+      continue;
+    }
+    const NumberedWords words(WordsOf(series.Header));
+    const auto alike = std::find_if(groups.begin(), groups.end(),
+      [&](const DynamicGroup& group)
+      {
+        return group.Words.Pattern == words.Pattern &&
+          IsOfOneProtocol(*group.Volumes.front(), series);
+      });
+    if (alike != groups.end())
+    {
+      alike->Volumes.push_back(&series);
+    }
+    else
+    {
+      groups.push_back({ words, { &series } });
+    }
+  }
+  return groups;
+}
+
+/// The group's last earlier volume of the same protocol that says "pre" or lacks the group's
+/// number: "ax dyn" of "Ph1/ax dyn", "Ph2/ax dyn". Null if there is none, or numbers start at 0.
+StudySeries* FindUncounted(const DynamicGroup& group, std::vector<StudySeries>& all)
+{
+  StudySeries* found = nullptr;
+  for (StudySeries& series : all)
+  {
+    if (&series == group.Volumes.front())
+    {
+      break;
+    }
+    std::string words = ' ' + WordsOf(series.Header) + ' ';
+    const std::string pre = FindMeaning(words, M::BeforeContrast);
+    if (!pre.empty())
+    {
+      words.replace(words.find(' ' + pre + ' '), pre.size() + 2, " ");
+    }
+    const auto begin = words.find_first_not_of(' ');
+    const NumberedWords plain(begin == std::string::npos
+        ? std::string()
+        : words.substr(begin, words.find_last_not_of(' ') + 1 - begin));
+    const auto counter = group.Words.CounterBeyond(plain);
+    const bool counted = counter &&
+      std::all_of(group.Volumes.begin(), group.Volumes.end(),
+        [&counter](const StudySeries* volume)
+        { return NumberedWords(WordsOf(volume->Header)).Numbers.at(*counter) >= 1; });
+    const bool saysPre = !pre.empty() && plain.Pattern == group.Words.Pattern;
+    if ((counted || saysPre) && series.LeftOut.empty() && series.Contrast != ContrastPhase::After &&
+      IsOfOneProtocol(series, *group.Volumes.front()))
+    {
+      found = &series;
+    }
+  }
+  return found;
+}
+
+/// Whether the name of a subtraction has the volume's number as what it subtracts: "Ph2-Ph1".
+bool IsSubtracted(const StudySeries& volume, const std::vector<StudySeries>& all)
+{
+  const std::vector<double> numbers = NumberedWords(WordsOf(volume.Header)).Numbers;
+  return std::any_of(all.begin(), all.end(),
+    [&](const StudySeries& series)
+    {
+      const std::vector<double> pair = NumberedWords(WordsOf(series.Header)).Numbers;
+      return series.LeftOut.starts_with("subtraction") && pair.size() == 2 && pair[0] > pair[1] &&
+        series.Header.Identity.StudyInstanceUid == volume.Header.Identity.StudyInstanceUid &&
+        std::count(numbers.begin(), numbers.end(), pair[1]) > 0;
+    });
 }
 
 /// The first of several volumes of one protocol is before contrast, unless an earlier series says
-/// so of itself and this one names an agent.
+/// so of itself and this one names an agent, or an earlier one lacks the number that these have.
+/// Their order alone makes nothing certain.
 void TellByOrder(std::vector<StudySeries>& all)
 {
-  std::map<std::string, std::vector<StudySeries*>> groups;
-  bool before = false;
+  for (const DynamicGroup& group : FindDynamicGroups(all))
+  {
+    const std::vector<StudySeries*>& volumes = group.Volumes;
+    StudySeries& front = *volumes.front();
+    const auto tell = [](StudySeries& series, bool before, const std::string& evidence)
+    {
+      series.Contrast = before ? ContrastPhase::Before : ContrastPhase::After;
+      series.ContrastEvidence = evidence;
+    };
+    if (StudySeries* const plain = FindUncounted(group, all))
+    {
+      for (StudySeries* const volume : volumes)
+      {
+        tell(*volume, false, "follows '" + plain->Description + "' of its protocol");
+      }
+      if (plain->Contrast == ContrastPhase::Unknown || plain->ContrastByOrder)
+      {
+        tell(*plain, true, "'" + front.Description + "' of its protocol follows it");
+        plain->ContrastByOrder = MomentOf(plain->Header).empty() || MomentOf(front.Header).empty();
+      }
+      continue;
+    }
+    if (volumes.size() < 2)
+    {
+      continue;
+    }
+    const bool before = std::any_of(all.data(), volumes.front(),
+      [](const StudySeries& series) { return series.Contrast == ContrastPhase::Before; });
+    const bool oneSeries = front.Phases == static_cast<int>(volumes.size());
+    for (std::size_t number = 0; number < volumes.size(); ++number)
+    {
+      const bool first = number == 0 && !(before && NamesAgent(front));
+      tell(*volumes[number], first,
+        (oneSeries ? "phase " : "volume ") + std::to_string(number + 1) + " of " +
+          std::to_string(volumes.size()) + (oneSeries ? "" : " of one protocol"));
+    }
+    front.ContrastByOrder = front.Contrast == ContrastPhase::Before &&
+      (NamesAgent(front) ||
+        !std::any_of(volumes.begin(), volumes.end(),
+          [](const StudySeries* v) { return NamesAgent(*v); })) &&
+      !IsSubtracted(front, all);
+  }
+}
+
+/// By the time at which the injection began, where it lies within the examination: some scanners
+/// write any time there.
+void TellByInjection(std::vector<StudySeries>& all)
+{
   for (StudySeries& series : all)
   {
-    before = before || series.Contrast == ContrastPhase::Before;
-    if (series.LeftOut.empty() && series.Phases == 1 && series.Contrast == ContrastPhase::Unknown)
+    const std::string& start = series.Header.ContrastStartTime;
+    const std::string& time = series.Header.AcquisitionTime;
+    const auto other = [&](bool later)
     {
-      groups[DynamicKey(series)].push_back(&series);
-    }
-  }
-  for (const auto& [key, volumes] : groups)
-  {
-    for (std::size_t number = 0; volumes.size() > 1 && number < volumes.size(); ++number)
+      return std::any_of(all.begin(), all.end(),
+        [&](const StudySeries& one)
+        {
+          const std::string& moment = one.Header.AcquisitionTime;
+          return one.Header.Identity.StudyInstanceUid == series.Header.Identity.StudyInstanceUid &&
+            !moment.empty() && (later ? moment > start : moment < start);
+        });
+    };
+    if (series.Contrast == ContrastPhase::Unknown && !start.empty() && !time.empty() &&
+      other(false) && other(true))
     {
-      const bool first = number == 0 && !(before && NamesAgent(*volumes.front()));
-      volumes[number]->Contrast = first ? ContrastPhase::Before : ContrastPhase::After;
-      volumes[number]->ContrastEvidence = "volume " + std::to_string(number + 1) + " of " +
-        std::to_string(volumes.size()) + " of one protocol";
+      series.Contrast = time < start ? ContrastPhase::Before : ContrastPhase::After;
+      series.ContrastEvidence = std::string("taken ") + (time < start ? "before" : "after") +
+        " the time of the injection in its header";
     }
   }
 }
@@ -493,6 +677,7 @@ void CompareSeries(std::vector<StudySeries>& all)
 {
   CompareScanOptions(all);
   std::for_each(all.begin(), all.end(), TellByWords);
+  TellByInjection(all);
   TellByOrder(all);
   // A scanner that names the agent in every header names it before the injection, too.
   const bool agentTells = !std::all_of(all.begin(), all.end(), NamesAgent);
