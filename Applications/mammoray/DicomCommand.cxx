@@ -56,7 +56,9 @@ void Declare(const OptionList& add, DicomArguments& arguments)
 void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
   const std::string& path)
 {
-  Mammogram real = ReadMammogram(arguments.Mammogram);
+  const Mammogram& searched = result.Mammogram;
+  Mammogram real = ReadMammogram(arguments.Mammogram,
+    { searched.ColumnSpacingMm, searched.View, searched.Laterality });
   real.Laterality = arguments.Laterality.value_or(real.Laterality);
   if (real.Laterality == '?')
   {

@@ -21,12 +21,15 @@ namespace mammoray
  * position is returned.
  *
  * Pixel spacing is that at the receptor: Imager Pixel Spacing, or Pixel Spacing times Estimated
- * Radiographic Magnification Factor. Nothing that identifies the patient is read.
+ * Radiographic Magnification Factor. What is `given` takes the place of what the header lacks: the
+ * spacing, the view and the side of a digitised film. Nothing that identifies the patient is read.
  *
  * Throws InputError, one line that names the file, if it is missing, truncated, not DICOM, not a
- * mammogram, in colour, a stack of reconstructed slices, or without a usable pixel spacing.
+ * mammogram, in colour, a stack of reconstructed slices, or without a usable pixel spacing; then
+ * the message names all that is lacking of a description.
  */
-MAMMORAYDICOM_EXPORT Mammogram ReadMammogram(const std::string& path);
+MAMMORAYDICOM_EXPORT Mammogram ReadMammogram(const std::string& path,
+  const PictureDescription& given = {});
 
 /**
  * Reads the projections of one compression from a Breast Projection X-Ray Image (PS3.3 A.74), in
@@ -36,7 +39,8 @@ MAMMORAYDICOM_EXPORT Mammogram ReadMammogram(const std::string& path);
  *
  * Throws InputError as ReadMammogram does, and if the positions of source and detector are missing.
  */
-MAMMORAYDICOM_EXPORT std::vector<Mammogram> ReadProjections(const std::string& path);
+MAMMORAYDICOM_EXPORT std::vector<Mammogram> ReadProjections(const std::string& path,
+  const PictureDescription& given = {});
 
 /// Index of the projection whose source is nearest to the mean source position. `projections` must
 /// not be empty.

@@ -46,35 +46,6 @@ std::optional<double> PositiveNumber(DcmItem& data, const DcmTagKey& tag, unsign
   return value && *value > 0 ? value : std::nullopt;
 }
 
-/// The distances of pixels at the receptor.
-void ReadSpacing(DcmItem& data, const std::string& path, Mammogram& mammogram)
-{
-  double scale = 1;
-  DcmTagKey tag = DCM_ImagerPixelSpacing;
-  if (!PositiveNumber(data, tag))
-  {
-    const std::optional<double> magnification =
-      PositiveNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
-    tag = DCM_PixelSpacing;
-    if (!PositiveNumber(data, tag) || !magnification)
-    {
-      Refuse(path,
-        "expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
-        "Magnification Factor, found neither: the size of a pixel is not known");
-    }
-    scale = *magnification;
-  }
-  // Row spacing comes first in DICOM.
-  const std::optional<double> row = PositiveNumber(data, tag, 0);
-  const std::optional<double> column = PositiveNumber(data, tag, 1);
-  if (!row || !column)
-  {
-    Refuse(path, "expected two positive numbers as pixel spacing, found one");
-  }
-  mammogram.RowSpacingMm = scale * *row;
-  mammogram.ColumnSpacingMm = scale * *column;
-}
-
 /// Terms of the standard only are taken, since they are shown in reports: what somebody else wrote
 /// in their place may be anything of the patient. CC, MLO, AT and the like.
 std::string ViewTerm(const std::string& view)
@@ -113,6 +84,74 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
   mammogram.PeakKilovoltage = PositiveNumber(data, DCM_KVP);
   mammogram.AnodeMaterial = MetalTerm(DicomText(data, DCM_AnodeTargetMaterial));
   mammogram.FilterMaterial = MetalTerm(DicomText(data, DCM_FilterMaterial));
+}
+
+/// Names all that is missing at once, with what supplies it.
+[[noreturn]] void RefuseSpacing(const Mammogram& mammogram, const PictureDescription& given,
+  const std::string& path)
+{
+  std::string others;
+  std::vector<std::string> fields{ "PixelSpacingMm" };
+  const auto need = [&](bool known, const char* element, const char* field)
+  {
+    if (!known)
+    {
+      others += (others.empty() ? "; missing, too: " : ", ") + std::string(element);
+      fields.emplace_back(field);
+    }
+  };
+  need(!mammogram.View.empty(), "the view (0018,5101)", "View");
+  need(mammogram.Laterality != '?', "the side (0020,0062)", "Laterality");
+  need(mammogram.BodyPartThicknessMm || given.ThicknessMm, "the thickness (0018,11A0)",
+    "ThicknessMm");
+  throw InputError(path +
+      ": expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
+      "Magnification Factor, found neither: the size of a pixel is not known" +
+      others,
+    { "PixelSpacingMm", "", fields, true });
+}
+
+/// Reads the distances of pixels at the receptor. `mammogram` has its view and side.
+void ReadSpacing(DcmItem& data, const PictureDescription& given, const std::string& path,
+  Mammogram& mammogram)
+{
+  double scale = 1;
+  DcmTagKey tag = DCM_ImagerPixelSpacing;
+  if (!PositiveNumber(data, tag))
+  {
+    const std::optional<double> magnification =
+      PositiveNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
+    tag = DCM_PixelSpacing;
+    scale = magnification.value_or(0);
+  }
+  // Row spacing comes first in DICOM.
+  const std::optional<double> row = PositiveNumber(data, tag, 0);
+  const std::optional<double> column = PositiveNumber(data, tag, 1);
+  if (row && column && scale > 0)
+  {
+    mammogram.RowSpacingMm = scale * *row;
+    mammogram.ColumnSpacingMm = scale * *column;
+  }
+  else if (given.PixelSpacingMm)
+  {
+    mammogram.RowSpacingMm = mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
+  }
+  else if (!row || scale == 0)
+  {
+    RefuseSpacing(mammogram, given, path);
+  }
+  else
+  {
+    throw InputError(path + ": expected two positive numbers as pixel spacing, found one",
+      { "PixelSpacingMm", "", { "PixelSpacingMm" } });
+  }
+}
+
+/// Fills in what the header lacks.
+void Complete(const PictureDescription& given, Mammogram& mammogram)
+{
+  mammogram.View = mammogram.View.empty() ? given.View : mammogram.View;
+  mammogram.Laterality = mammogram.Laterality == '?' ? given.Laterality : mammogram.Laterality;
 }
 
 void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)
@@ -248,13 +287,15 @@ SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
 }
 
 /// Reads a frame without its pixels.
-Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& path)
+Mammogram ReadFrame(DcmItem& frame, const std::string& view, const PictureDescription& given,
+  const std::string& path)
 {
   Mammogram mammogram;
   ReadIntensityScale(frame, path, mammogram);
-  ReadSpacing(frame, path, mammogram);
   ReadAcquisition(frame, mammogram);
   mammogram.View = ViewTerm(view);
+  Complete(given, mammogram);
+  ReadSpacing(frame, given, path, mammogram);
   const SourcePlace place = ReadSourcePlace(frame, path);
   const Vector3 over = SourceOverPixels(place, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm);
   if (!(over[2] > 0))
@@ -269,7 +310,8 @@ Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& 
   return mammogram;
 }
 
-std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path)
+std::vector<Mammogram> ReadFrames(const DicomFile& file, const PictureDescription& given,
+  const std::string& path)
 {
   constexpr std::size_t most = 200; // units take 9 to 60
   const DicomFrames frames(file.Data(), path);
@@ -285,7 +327,7 @@ std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path
   for (std::size_t number = 0; number < frames.Count(); ++number)
   {
     headers.push_back(frames.Flat(number));
-    projections.push_back(ReadFrame(*headers.back(), view, path));
+    projections.push_back(ReadFrame(*headers.back(), view, given, path));
   }
   const DicomPixels pixels(file);
   for (std::size_t number = 0; number < frames.Count(); ++number)
@@ -295,26 +337,27 @@ std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path
   return projections;
 }
 
-std::vector<Mammogram> ReadHere(const std::string& path)
+std::vector<Mammogram> ReadHere(const std::string& path, const PictureDescription& given)
 {
   // The header first: what is no mammogram is refused before its pixels are looked at.
   const DicomFile file(path, "a DICOM mammogram");
   CheckIsMammogram(file.Data(), path);
   if (IsBreastProjection(DicomText(file.Data(), DCM_SOPClassUID)))
   {
-    return ReadFrames(file, path);
+    return ReadFrames(file, given, path);
   }
   CheckIsOne(file.Data(), path);
   Mammogram mammogram;
   ReadIntensityScale(file.Data(), path, mammogram);
-  ReadSpacing(file.Data(), path, mammogram);
   ReadAcquisition(file.Data(), mammogram);
+  Complete(given, mammogram);
+  ReadSpacing(file.Data(), given, path, mammogram);
   SetPixels(mammogram, DicomPixels(file), 0, file.Data());
   return { std::move(mammogram) };
 }
 }
 
-std::vector<Mammogram> ReadProjections(const std::string& path)
+std::vector<Mammogram> ReadProjections(const std::string& path, const PictureDescription& given)
 {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code) || !std::ifstream(path))
@@ -322,7 +365,7 @@ std::vector<Mammogram> ReadProjections(const std::string& path)
     Refuse(path, "expected a DICOM mammogram, found no file that can be read");
   }
   return ReadGuarded(path, "a DICOM mammogram", ReadLimits::Of({ path }),
-    [&] { return ReadHere(path); });
+    [&] { return ReadHere(path, given); });
 }
 
 std::size_t MiddleProjection(const std::vector<Mammogram>& projections)
@@ -351,9 +394,9 @@ std::size_t MiddleProjection(const std::vector<Mammogram>& projections)
   return middle;
 }
 
-Mammogram ReadMammogram(const std::string& path)
+Mammogram ReadMammogram(const std::string& path, const PictureDescription& given)
 {
-  std::vector<Mammogram> projections = ReadProjections(path);
+  std::vector<Mammogram> projections = ReadProjections(path, given);
   return std::move(projections[MiddleProjection(projections)]);
 }
 }

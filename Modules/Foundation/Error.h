@@ -38,6 +38,8 @@ struct RefusedField
   std::string Value;
   /// Other fields that make the input usable when they are set, such as "AcceptUnusual".
   std::vector<std::string> Remedies;
+  /// Whether all of them are needed; otherwise one of them is enough.
+  bool All = false;
 };
 
 /// A value, file or array that the caller passed is not usable.
@@ -46,7 +48,7 @@ class InputError : public Error
 public:
   using Error::Error;
 
-  /// Appends "; set REMEDY or REMEDY" to the message.
+  /// Appends "; set REMEDY or REMEDY" to the message ("and" where all are needed).
   InputError(const std::string& message, const RefusedField& field)
     : Error(message + Advice(field))
     , Refused(field)
@@ -62,7 +64,7 @@ private:
     std::string advice;
     for (const std::string& remedy : field.Remedies)
     {
-      advice += (advice.empty() ? "; set " : " or ") + remedy;
+      advice += (advice.empty() ? "; set " : field.All ? " and " : " or ") + remedy;
     }
     return advice;
   }

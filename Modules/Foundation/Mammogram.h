@@ -111,6 +111,19 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
   std::string FilterMaterial;
 };
 
+/// The part of a DICOM header that pictures and digitised films lack.
+struct PictureDescription
+{
+  /// Distance of pixel centres at the receptor, mm.
+  std::optional<double> PixelSpacingMm;
+  /// "CC", "MLO", ...; "" if unknown.
+  std::string View;
+  /// 'L', 'R' or '?'.
+  char Laterality = '?';
+  /// Distance of the plates, mm. Not needed; a refusal asks for it along with what is.
+  std::optional<double> ThicknessMm;
+};
+
 /// "left" for 'L', "right" for 'R', else "unnamed".
 MAMMORAYFOUNDATION_EXPORT std::string SideName(char laterality);
 

@@ -132,14 +132,23 @@ bool IsPicturePath(const std::string& path)
 Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription& description)
 {
   std::string missing;
-  const auto need = [&missing](bool given, const char* what)
-  { missing += given ? "" : (missing.empty() ? "" : ", ") + std::string(what); };
-  need(description.PixelSpacingMm.has_value(), "pixel spacing");
-  need(!description.View.empty(), "view");
-  need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
+  std::vector<std::string> fields;
+  const auto need = [&](bool given, const char* what, const char* field)
+  {
+    if (!given)
+    {
+      missing += (missing.empty() ? "" : ", ") + std::string(what);
+      fields.emplace_back(field);
+    }
+  };
+  need(description.PixelSpacingMm.has_value(), "pixel spacing", "PixelSpacingMm");
+  need(!description.View.empty(), "view", "View");
+  need(description.Laterality == 'L' || description.Laterality == 'R', "laterality", "Laterality");
   if (!missing.empty())
   {
-    throw InputError(path + ": a picture has no header: expected its " + missing + " to be given");
+    need(description.ThicknessMm.has_value(), "thickness", "ThicknessMm");
+    throw InputError(path + ": a picture has no header: expected its " + missing + " to be given",
+      { fields.front(), "", fields, true });
   }
   if (!(*description.PixelSpacingMm > 0))
   {

@@ -5,23 +5,11 @@
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammorayIOModule.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
-/// The part of a DICOM header that a picture lacks.
-struct PictureDescription
-{
-  /// Distance of pixel centres at the receptor, mm.
-  std::optional<double> PixelSpacingMm;
-  /// "CC", "MLO", ...; "" if unknown.
-  std::string View;
-  /// 'L', 'R' or '?'.
-  char Laterality = '?';
-};
-
 /// Returns true for the extensions of pictures without a header: .jpg, .jpeg and .png.
 MAMMORAYIO_EXPORT bool IsPicturePath(const std::string& path);
 

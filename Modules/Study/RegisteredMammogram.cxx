@@ -83,7 +83,7 @@ Mammogram ReadRegisteredMammogram(const ResultFile& result, const std::string& m
   const Mammogram& searched = result.Mammogram;
   const PictureDescription known{ searched.ColumnSpacingMm, searched.View, searched.Laterality };
   Mammogram mammogram = IsPicturePath(mammogramPath) ? ReadMammogramPicture(mammogramPath, known)
-                                                     : ReadMammogram(mammogramPath);
+                                                     : ReadMammogram(mammogramPath, known);
   mammogram.ColumnSpacingMm = searched.ColumnSpacingMm;
   mammogram.RowSpacingMm = searched.RowSpacingMm;
   mammogram.View = searched.View;

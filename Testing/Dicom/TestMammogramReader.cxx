@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "DicomBytes.h"
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -269,6 +271,55 @@ TEST(DicomMammogram, TakesTheSpacingAtTheReceptorFromTheMagnification)
   // Renamed Pixel Spacing (0028,0030), a distance in the breast, it grows by the magnification.
   bytes = Replaced(bytes, "\x18\x00\x64\x11"s, "\x28\x00\x30\x00"s);
   EXPECT_DOUBLE_EQ(ReadMammogram(TemporaryFile(bytes).Path).ColumnSpacingMm, 0.125);
+}
+
+/// 5 x 3 pixels of a byte, as an odd number of them, of which nothing else is said.
+std::vector<char> DigitisedFilm(const std::string& more = "")
+{
+  using namespace test;
+  const std::string film = "1.2.840.10008.5.1.4.1.1.7";
+  std::string pixels;
+  for (char value = 1; value <= 15; ++value)
+  {
+    pixels.push_back(value);
+  }
+  const std::string bytes = DicomBytes(film, "1.2.3",
+    Element(8, 0x16, "UI", film) + Element(8, 0x18, "UI", "1.2.3") + Element(8, 0x60, "CS", "MG") +
+      more + Element(0x28, 2, "US", Us(1)) + Element(0x28, 4, "CS", "MONOCHROME2") +
+      Element(0x28, 0x10, "US", Us(5)) + Element(0x28, 0x11, "US", Us(3)) +
+      Element(0x28, 0x100, "US", Us(8)) + Element(0x28, 0x101, "US", Us(8)) +
+      Element(0x28, 0x102, "US", Us(7)) + Element(0x28, 0x103, "US", Us(0)) +
+      Element(0x7fe0, 0x10, "OB", pixels));
+  return { bytes.begin(), bytes.end() };
+}
+
+TEST(DicomMammogram, WhatIsGivenTakesThePlaceOfWhatADigitisedFilmLacks)
+{
+  const TemporaryFile film(DigitisedFilm());
+  const std::string refusal = test::RefusalOf([&] { ReadMammogram(film.Path); });
+  EXPECT_THAT(refusal,
+    HasSubstr("the size of a pixel is not known; missing, too: the view (0018,5101), the side "
+              "(0020,0062), the thickness (0018,11A0); set PixelSpacingMm and View and Laterality "
+              "and ThicknessMm"));
+  EXPECT_THAT(test::RefusalOf(
+                [&] {
+                  ReadMammogram(film.Path, { {}, "CC", 'R', 50 });
+                }),
+    ::testing::EndsWith("the size of a pixel is not known; set PixelSpacingMm"));
+  const Mammogram read = ReadMammogram(film.Path, { 0.05, "MLO", 'R' });
+  EXPECT_EQ(read.ColumnSpacingMm, 0.05);
+  EXPECT_EQ(read.RowSpacingMm, 0.05);
+  EXPECT_EQ(read.View, "MLO");
+  EXPECT_EQ(read.Laterality, 'R');
+  EXPECT_EQ(read.Columns, 3);
+  EXPECT_EQ(read.Pixels[14], 15);
+  // What the header says stays.
+  const TemporaryFile said(DigitisedFilm(
+    test::Element(0x18, 0x1164, "DS", "0.2\\0.1") + test::Element(0x18, 0x5101, "CS", "CC")));
+  EXPECT_EQ(ReadMammogram(said.Path, { 0.05, "MLO", 'R' }).RowSpacingMm, 0.2);
+  EXPECT_EQ(ReadMammogram(said.Path, { 0.05, "MLO", 'R' }).View, "CC");
+  const TemporaryFile half(DigitisedFilm(test::Element(0x18, 0x1164, "DS", "0.2")));
+  EXPECT_THAT(test::RefusalOf([&] { ReadMammogram(half.Path); }), HasSubstr("found one; set"));
 }
 
 TEST(DicomMammogram, DeclaredPaddingBecomesNan)

@@ -143,6 +143,14 @@ TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)
     ElementsAre(HasSubstr("28 cm2 in MLO and 12 in CC")));
   const auto refusal = [&](double breastCm3)
   { return RefusalOf([&] { disagreements(breastCm3, { viewed("CC", 100) }); }); };
+  // A header in centimetres, and what is given in its place.
+  std::vector<RegisteredView> given{ viewed("CC", 100) };
+  given[0].Mammogram.BodyPartThicknessMm = 5;
+  given[0].View.Parameters = DefaultParameters({ .ThicknessMm = 50 });
+  EXPECT_THAT(RefusalOf([&] { disagreements(100, given); }), HasSubstr("found one of 10 cm3"));
+  input.Start[ThicknessParameter] = { 50 };
+  EXPECT_THAT(disagreements(100, given), IsEmpty());
+  input.Start[ThicknessParameter].clear();
   EXPECT_THAT(refusal(700),
     HasSubstr(
       "m.dcm: expected a picture of the breast in the MRI (700 cm3), found one of 100 cm3"));

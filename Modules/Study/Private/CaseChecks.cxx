@@ -119,7 +119,10 @@ bool IsWithin(double value, const Extent& limits)
 void CheckSize(const RegistrationCase& input, double breastCm3, double areaCm2,
   RegisteredView& view)
 {
-  const double picturedCm3 = areaCm2 * view.Mammogram.BodyPartThicknessMm.value_or(0) / 10;
+  const double thicknessMm = input.Start[ThicknessParameter].empty()
+    ? view.Mammogram.BodyPartThicknessMm.value_or(0)
+    : view.View.Parameters[ThicknessParameter].Start;
+  const double picturedCm3 = areaCm2 * thicknessMm / 10;
   if (!(picturedCm3 > 0) || !(breastCm3 > 0))
   {
     return;

@@ -140,14 +140,16 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
   std::vector<std::string>& warnings)
 {
   const std::string& path = input.Mammograms[number];
-  PictureDescription given{ input.PixelSpacingMm,
+  const std::vector<double>& thickness = input.Start[ThicknessParameter];
+  const PictureDescription given{ input.PixelSpacingMm,
     input.MammogramViews.empty() ? "" : input.MammogramViews[number],
-    input.Laterality.empty() ? '?' : input.Laterality.front() };
+    input.Laterality.empty() ? '?' : input.Laterality.front(),
+    thickness.empty() ? std::nullopt : std::optional(thickness.front()) };
   if (IsPicturePath(path))
   {
     return { ReadMammogramPicture(path, given) };
   }
-  std::vector<Mammogram> mammograms = ReadProjections(path);
+  std::vector<Mammogram> mammograms = ReadProjections(path, given);
   CheckWholeBreast(input, path);
   if (given.PixelSpacingMm)
   {
