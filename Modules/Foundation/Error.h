@@ -55,6 +55,14 @@ public:
   {
   }
 
+  /// The error of this whole message, to which nothing is appended; from another process.
+  static InputError Restored(const std::string& message, const RefusedField& field)
+  {
+    InputError error(message);
+    error.Refused = field;
+    return error;
+  }
+
   /// Empty if the error is not about a field.
   const RefusedField& Field() const { return this->Refused; }
 
@@ -70,6 +78,27 @@ private:
   }
 
   RefusedField Refused;
+};
+
+/// Says a line about an input that is read although two of its statements contradict each other or
+/// something in it is left out: what was found, and what is taken. The innermost NoteKeeper of this
+/// thread keeps it; without one it is a warning on standard error.
+MAMMORAYFOUNDATION_EXPORT void Note(const std::string& line);
+
+/// Keeps the notes of its thread from its construction to its end.
+class MAMMORAYFOUNDATION_EXPORT NoteKeeper
+{
+public:
+  NoteKeeper();
+  ~NoteKeeper();
+  NoteKeeper(const NoteKeeper&) = delete;
+  NoteKeeper& operator=(const NoteKeeper&) = delete;
+
+  /// In the order in which they were said, control characters escaped.
+  std::vector<std::string> Lines;
+
+private:
+  NoteKeeper* Outer;
 };
 
 /// A computation did not reach a state within its limits (Newton steps, inverted cells).

@@ -37,6 +37,32 @@ std::size_t ShownBytes(const std::string& text, std::size_t at)
     letter >= least[count] && letter <= 0x10ffff && (letter < 0xd800 || letter > 0xdfff);
   return isLetter && !isControl && !turns ? count : 0;
 }
+
+thread_local NoteKeeper* Innermost = nullptr;
+}
+
+void Note(const std::string& line)
+{
+  const std::string shown = EscapeControls(line);
+  if (Innermost)
+  {
+    Innermost->Lines.push_back(shown);
+  }
+  else
+  {
+    std::fprintf(stderr, "warning: %s\n", shown.c_str());
+  }
+}
+
+NoteKeeper::NoteKeeper()
+  : Outer(Innermost)
+{
+  Innermost = this;
+}
+
+NoteKeeper::~NoteKeeper()
+{
+  Innermost = this->Outer;
 }
 
 std::string EscapeControls(const std::string& text)

@@ -114,6 +114,7 @@ void SetUpReader(const ReadLimits& limits)
   Parcel parcel(file, true, "");
   Ending ending = Ending::Died;
   std::string reason;
+  RefusedField field;
   try
   {
     parcel(ending);
@@ -127,6 +128,12 @@ void SetUpReader(const ReadLimits& limits)
   catch (const std::bad_alloc&)
   {
     ending = Ending::OutOfMemory;
+  }
+  catch (const InputError& error)
+  {
+    ending = Ending::Refused;
+    reason = error.what();
+    field = error.Field();
   }
   catch (const std::exception& error)
   {
@@ -143,7 +150,7 @@ void SetUpReader(const ReadLimits& limits)
   std::fwrite(&ending, sizeof ending, 1, file);
   if (ending == Ending::Refused)
   {
-    parcel(reason);
+    parcel(reason, field.Name, field.Value, field.Remedies, field.All);
   }
   std::fflush(file);
   _exit(0);
@@ -361,7 +368,13 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
   {
     RefuseToAsk(what, "a file in memory");
   }
-  const int status = RunReader(file.get(), what, limits, put, heard);
+  const auto putAll = [&put](Parcel& parcel, const TellCallback& tell)
+  {
+    NoteKeeper notes;
+    put(parcel, tell);
+    parcel(notes.Lines);
+  };
+  const int status = RunReader(file.get(), what, limits, putAll, heard);
   std::rewind(file.get());
   Ending ending = Ending::Died;
   if (std::fread(&ending, sizeof ending, 1, file.get()) != 1 ||
@@ -374,9 +387,13 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
   if (ending == Ending::Refused)
   {
     std::string reason;
-    parcel(reason);
-    throw InputError(reason);
+    RefusedField field;
+    parcel(reason, field.Name, field.Value, field.Remedies, field.All);
+    throw InputError::Restored(reason, field);
   }
   take(parcel);
+  std::vector<std::string> notes;
+  parcel(notes);
+  std::for_each(notes.begin(), notes.end(), Note);
 }
 }

@@ -122,9 +122,9 @@ MAMMORAYIO_EXPORT void RunGuarded(const std::string& what, const std::string& co
  * Returns the value of `read`, called in a fork of this process: the libraries that read foreign
  * bytes (VTK, GDCM, ITK, DCMTK, tinygltf) crash on some damaged files, and on others never end or
  * ask for all memory. An InputError of `read` arrives as it was thrown, other exceptions as an
- * InputError of their text. The death of the reader, and a limit that it meets, are a ReaderEnded
- * of one line: "what: expected content, found ...". What libraries print there reaches nobody but
- * SaidByLibraries.
+ * InputError of their text, and what it notes (Note) is noted here. The death of the reader, and a
+ * limit that it meets, are a ReaderEnded of one line: "what: expected content, found ...". What
+ * libraries print there reaches nobody but SaidByLibraries.
  *
  * Long work may take a TellCallback as its argument, and report its progress by it. `heard` is
  * called in this process with each text, and with an empty one every 200 ms; its exceptions end the

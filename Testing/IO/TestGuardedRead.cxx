@@ -71,6 +71,31 @@ TEST(GuardedRead, ARefusalArrivesAsItWas)
 }
 
 // What is read comes back through a file in memory, which the limit holds for, too.
+TEST(GuardedRead, FieldsAndNotesArriveAsWell)
+{
+  try
+  {
+    ReadGuarded("a file", "numbers", Small,
+      []() -> int {
+        throw InputError("two", { "SizeMm", "2", { "SizeMm", "Name" }, true });
+      });
+    FAIL();
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_STREQ(error.what(), "two; set SizeMm and Name");
+    EXPECT_EQ(error.Field().Name, "SizeMm");
+    EXPECT_EQ(error.Field().Remedies, (std::vector<std::string>{ "SizeMm", "Name" }));
+    EXPECT_TRUE(error.Field().All);
+  }
+  NoteKeeper notes;
+  EXPECT_EQ(ReadGuarded("a file", "numbers", Small, [] { return Note("odd\n"), 7; }), 7);
+  EXPECT_EQ(notes.Lines, std::vector<std::string>{ "odd\\x0a" });
+  testing::internal::CaptureStderr();
+  std::thread([] { Note("alone"); }).join();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: alone\n");
+}
+
 TEST(GuardedRead, ALimitOfFileSizesIsCalledOne)
 {
   const test::FileSizeLimit limit(100'000);
