@@ -352,8 +352,8 @@ std::vector<Vector3> AsPoints(const std::vector<double>& flat)
   return points;
 }
 
-void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& table,
-  const std::string& folder)
+void CheckInput(const LabelVolume& materials, const MaterialTable& table,
+  const AnatomicalAxes& axes, const VirtualStudyOptions& options, const std::string& folder)
 {
   if (options.Laterality != 'L' && options.Laterality != 'R')
   {
@@ -371,6 +371,11 @@ void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& 
     throw InputError("virtual study: expected a material that is held (chest wall) in the table " +
       table.Name + ", found none");
   }
+  if (MidlineBetweenBreasts(materials, held, axes))
+  {
+    throw InputError("virtual study: expected labels of one breast, found two side by side; "
+                     "'mammoray segment --side left' (or right) makes labels of one");
+  }
   ReserveEmptyFolder(folder);
 }
 }
@@ -379,7 +384,7 @@ StudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialTable& t
   const AnatomicalAxes& axes, const VirtualStudyOptions& options, const std::string& folder,
   const ProgressCallback& progress)
 {
-  CheckStudyOptions(options, table, folder);
+  CheckInput(materials, table, axes, options, folder);
   Draws draws(options.Seed, 0, 0);
   const TrueBreast breast = MakeBreast(materials, table, axes, options, draws);
   StudyTruth truth;

@@ -83,8 +83,8 @@ inline constexpr const char* StudyProjectionsFile = "cc-projections.dcm";
  * spectrum than the default, and a header whose thickness is off by up to 4 mm.
  *
  * `materials`: indices of `table`, some held, in a frame with these `axes`. Throws InputError, also
- * if FOLDER is not empty; ConvergenceError if there is no equilibrium for three thicknesses;
- * DeviceError, Interrupted.
+ * if they hold two breasts (MidlineBetweenBreasts) or FOLDER is not empty; ConvergenceError if
+ * there is no equilibrium for three thicknesses; DeviceError, Interrupted.
  */
 StudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialTable& table,
   const AnatomicalAxes& axes, const VirtualStudyOptions& options, const std::string& folder,

@@ -117,13 +117,10 @@ void ForEachTissueVoxel(const LabelVolume& materials, const std::vector<bool>& f
     });
 }
 
-/// Calls visit(voxel, point, is fixed, is breast) for all tissue. Throws InputError if there is
-/// none.
-template <typename Visit>
-void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>& fixed,
-  const AnatomicalAxes& axes, const Visit& visit)
+/// All tissue in columns; `all` becomes its extent. Throws InputError if there is none.
+BreastColumns ColumnsOf(const LabelVolume& materials, const std::vector<bool>& fixed,
+  TissueExtent& all)
 {
-  TissueExtent all(axes);
   const Vector3 half = HalfVoxel(materials, all);
   ForEachTissueVoxel(materials, fixed,
     [&](std::size_t, const Vector3& point, bool isFixed) { all.Add(point, half, isFixed); });
@@ -135,6 +132,17 @@ void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>&
   ForEachTissueVoxel(materials, fixed,
     [&](std::size_t, const Vector3& point, bool isFixed)
     { columns.Add(all.Place(point), isFixed); });
+  return columns;
+}
+
+/// Calls visit(voxel, point, is fixed, is breast) for all tissue. Throws InputError if there is
+/// none.
+template <typename Visit>
+void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>& fixed,
+  const AnatomicalAxes& axes, const Visit& visit)
+{
+  TissueExtent all(axes);
+  BreastColumns columns = ColumnsOf(materials, fixed, all);
   columns.Find();
   ForEachTissueVoxel(materials, fixed,
     [&](std::size_t voxel, const Vector3& point, bool isFixed)
@@ -193,6 +201,13 @@ Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& fi
       }
     });
   return extent.Anchor();
+}
+
+std::optional<double> MidlineBetweenBreasts(const LabelVolume& materials,
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes)
+{
+  TissueExtent all(axes);
+  return ColumnsOf(materials, fixed, all).Midline();
 }
 
 LabelVolume KeepBreast(const LabelVolume& materials, const std::vector<bool>& fixed,

@@ -8,6 +8,7 @@
 #include "mammorayFoundationModule.h"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace mammoray
@@ -150,6 +151,13 @@ MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
 /// The anchor of a surface: the middle of its bounding box across and along the body, at the front
 /// of the fixed tissue, or at the posterior end if no material is fixed.
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface,
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes);
+
+/**
+ * The lateral position, mm along axes.Left, between two breasts that the volume holds side by side
+ * (Private/BreastColumns.h); nothing if it holds one. Throws InputError if it contains only air.
+ */
+MAMMORAYFOUNDATION_EXPORT std::optional<double> MidlineBetweenBreasts(const LabelVolume& materials,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
 /// Replaces by air all tissue except the breast (as in FindPoseAnchor) and the tissue behind it.

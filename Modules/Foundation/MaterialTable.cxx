@@ -91,6 +91,7 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
 {
   constexpr int mostNamed = 10; // an MRI in place of labels has thousands
   std::string unknown;
+  std::string renumbered;
   int unknownLabels = 0;
   std::vector<std::uint16_t> materialOf(65536, 0);
   std::size_t tissueVoxels = 0;
@@ -107,6 +108,12 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
       continue;
     }
     materialOf[label] = static_cast<std::uint16_t>(*material);
+    if (const auto numbered = this->MaterialOfLabel.find(label);
+        numbered != this->MaterialOfLabel.end() && numbered->second != *material)
+    {
+      renumbered += (renumbered.empty() ? "" : ", ") + NameOfLabel(labels, label) + " (not " +
+        this->Materials[static_cast<std::size_t>(numbered->second)].Name + ")";
+    }
     tissueVoxels += *material != 0 ? count : 0;
   }
   if (!unknown.empty())
@@ -121,6 +128,11 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   {
     throw InputError(
       volumeName + ": expected tissue, found only air by the material table '" + this->Name + "'");
+  }
+  if (!renumbered.empty())
+  {
+    Note(volumeName + ": labels are taken by their names, against the numbers in the table '" +
+      this->Name + "': " + renumbered);
   }
   LabelVolume result = labels;
   result.Names.clear();

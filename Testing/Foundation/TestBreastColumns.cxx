@@ -92,6 +92,36 @@ TEST(BreastColumns, WhatIsNoBreastBecomesAir)
   EXPECT_THROW(KeepBreast(air, held, axes), InputError);
 }
 
+TEST(BreastColumns, TwoBreastsAreToldFromOne)
+{
+  const std::vector<bool> held{ false, false, true };
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode("RAS");
+  const auto midline = [&](const std::function<double(double, double)>& height)
+  { return MidlineBetweenBreasts(Body(height), held, axes); };
+  // Side by side, of two sizes and heights along the body, on 15 mm of fat; in RAS left is -x.
+  const auto both = [](double x, double z) {
+    return std::max({ 15.0, 15 + Dome(x - 48, z), 10 + 0.7 * Dome(x + 40, z - 12) });
+  };
+  const std::optional<double> between = midline(both);
+  ASSERT_TRUE(between.has_value());
+  EXPECT_NEAR(*between, -4, 4);
+  // Turned about the body's axis: what was left is right.
+  EXPECT_NEAR(midline([&](double x, double z) { return both(-x, z); }).value(), 4, 4);
+  // One, alone and with a belly, an armpit's fold and the foot of the other one beside it.
+  EXPECT_FALSE(midline([](double x, double z) { return Dome(x, z); }).has_value());
+  EXPECT_FALSE(midline(
+    [](double x, double z)
+    {
+      return std::max({ 15.0, 15 + Dome(x - 25, z - 5), 60.0 - (z + 88), 45.0 - 1.5 * (88 - z),
+        15 + 0.3 * Dome(x + 60, z - 60), 40.0 - 1.5 * (x + 88) });
+    }).has_value());
+  // One above the other are no two breasts.
+  EXPECT_FALSE(midline(
+    [](double x, double z) {
+      return std::max({ 15.0, 15 + Dome(x, z - 42), 15 + Dome(x - 9, z + 45) });
+    }).has_value());
+}
+
 TEST(BreastColumns, StrayVoxelsOfMuscleMoveNothing)
 {
   const auto height = [](double x, double z) { return std::max(15.0, 15 + Dome(x, z)); };

@@ -83,8 +83,12 @@ TEST(MaterialTable, NamesOfLabelsDecideWhateverTheirNumbers)
   volume.Size = { 4, 1, 1 };
   volume.Voxels = { 0, 1, 2, 3 };
   volume.Names = { { 1, "Gland" }, { 2, "fat" }, { 3, "AIR" }, { 9, "not there" } };
+  NoteKeeper notes;
   const LabelVolume materials = TwoTissues().ToMaterials(volume, "v");
   EXPECT_THAT(materials.Voxels, testing::ElementsAre(0, 2, 1, 0));
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre("v: labels are taken by their names, against the numbers in the table "
+                         "'two tissues': 1 'Gland' (not fat)"));
   EXPECT_THAT(materials.Names, testing::IsEmpty()); // they were those of the labels
   MaterialTable walled = TwoTissues();
   walled.Materials[2].Name = "chest-wall";

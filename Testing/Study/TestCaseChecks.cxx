@@ -204,6 +204,13 @@ TEST(CaseChecks, TheBreastLiesInFrontAndIsThatOfItsSide)
     HasSubstr("expected the right breast, which the mammogram shows, found the left one"));
   EXPECT_EQ(refusal(Body(30, 100), 'R'), NotRefused);
   EXPECT_THAT(refusal(Body(30, 100), 'L'), HasSubstr("found the right one"));
+  const LabelVolume one = Body(0, 100);
+  LabelVolume two = one;
+  two.ForEachVoxel([&](int i, int j, int k, std::size_t voxel)
+    { two.Voxels[voxel] = one.Voxels[one.Index(i < 50 ? i + 30 : i - 30, j, k)]; });
+  EXPECT_THAT(refusal(two, 'L'),
+    HasSubstr("labels.nrrd: expected one breast, found two side by side; 'mammoray segment' makes "
+              "labels of one side; set Crop or AcceptUnusual"));
   LabelVolume large = Body(30, 70);
   large.Spacing = { 20, 20, 20 };
   EXPECT_THAT(refusal(large, 'L'), HasSubstr("expected a breast width from 30 to 300 mm"));

@@ -151,6 +151,24 @@ void ExpectRegisteredTogether(const StudyTruth& truth, const std::string& path)
 }
 }
 
+TEST(VirtualStudy, RefusesTwoBreasts)
+{
+  const LabelVolume both = test::LabelledCube(90, 2,
+    [](const Vector3& p) {
+      return EllipsoidMaterial({ std::abs(p[0]) - 45, p[1], p[2] });
+    });
+  const std::string folder = testing::TempDir() + "mammoray-two-breasts";
+  EXPECT_THAT(RefusalOf(
+                [&]
+                {
+                  MakeVirtualStudy(both, FindMaterialTable("victre"),
+                    AnatomicalAxes::FromCode("LPS"), SmallStudy(), folder);
+                }),
+    HasSubstr("expected labels of one breast, found two side by side; 'mammoray segment --side "
+              "left' (or right) makes labels of one"));
+  EXPECT_FALSE(std::filesystem::exists(folder));
+}
+
 TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
 {
   if (ListDevices().empty())

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <numeric>
 
 namespace mammoray
@@ -20,6 +22,11 @@ constexpr int StraySteps = 3;
 constexpr double ValleyPart = 0.1;
 constexpr double CorePart = 0.25;
 constexpr double SlopePart = 0.375;
+/// A second breast, beside the first: least height and volume, as parts of the first one's, and
+/// height over the valley between, mm (as Segmentation counts breasts).
+constexpr double OtherHeightPart = 0.5;
+constexpr double OtherVolumePart = 0.25;
+constexpr double SmallestBreastMm = 15;
 }
 
 BreastColumns::BreastColumns(const Vector3& low, const Vector3& high, double pieceMm)
@@ -106,7 +113,7 @@ std::vector<double> BreastColumns::Heights() const
   return heights;
 }
 
-std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights) const
+std::vector<std::size_t> BreastColumns::Hills(const std::vector<double>& heights) const
 {
   // Visit columns from the highest down; each joins the hills that it touches. A hill that rises
   // above its saddle to a higher hill by no more than the depth of a valley is a part of that hill.
@@ -114,9 +121,8 @@ std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights)
   std::iota(order.begin(), order.end(), std::size_t{ 0 });
   std::stable_sort(order.begin(), order.end(),
     [&](std::size_t a, std::size_t b) { return heights[a] > heights[b]; });
-  const std::size_t peak = order.front();
-  const double valley = ValleyPart * heights[peak];
-  constexpr auto none = std::numeric_limits<std::size_t>::max();
+  const double valley = ValleyPart * heights[order.front()];
+  constexpr auto none = NoHill;
   // The column to which each column leads, finally the peak of its hill.
   std::vector<std::size_t> leads(heights.size(), none);
   const auto peakOf = [&](std::size_t column)
@@ -154,31 +160,90 @@ std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights)
         }
       });
   }
-  std::vector<char> members(heights.size(), 0);
-  for (std::size_t column = 0; column < members.size(); ++column)
+  std::vector<std::size_t> hills(heights.size(), none);
+  for (std::size_t column = 0; column < hills.size(); ++column)
   {
-    members[column] = leads[column] != none && peakOf(column) == peak ? 1 : 0;
+    hills[column] = leads[column] == none ? none : peakOf(column);
   }
-  return members;
+  return hills;
 }
 
 void BreastColumns::Find()
 {
   const std::vector<double> heights = this->Heights();
-  const std::vector<char> hill = this->HighestHill(heights);
-  const double peak = *std::max_element(heights.begin(), heights.end());
+  const std::vector<std::size_t> hills = this->Hills(heights);
+  const auto highest = std::max_element(heights.begin(), heights.end());
+  const double peak = *highest;
+  const auto isHill = [&](std::size_t column)
+  { return hills[column] == static_cast<std::size_t>(highest - heights.begin()); };
   // If nothing lies in front of the fixed tissue, all columns belong to the breast.
   const double reach = peak > 0 ? SlopePart * peak / this->WidthMm : Infinity;
-  for (std::size_t core = 0; core < hill.size(); ++core)
+  for (std::size_t core = 0; core < hills.size(); ++core)
   {
-    if (hill[core] && heights[core] >= CorePart * peak)
+    if (isHill(core) && heights[core] >= CorePart * peak)
     {
       const int steps =
         static_cast<int>(std::min<double>(reach, this->CountAcross + this->CountAlong));
       this->VisitNear(core, steps,
         [&](std::size_t other, double way)
-        { this->Breast[other] = this->Breast[other] || (hill[other] && way <= reach) ? 1 : 0; });
+        { this->Breast[other] = this->Breast[other] || (isHill(other) && way <= reach) ? 1 : 0; });
     }
   }
+}
+
+std::optional<double> BreastColumns::Midline() const
+{
+  const std::vector<double> heights = this->Heights();
+  const std::vector<std::size_t> hills = this->Hills(heights);
+  std::map<std::size_t, double> volumes;
+  for (std::size_t column = 0; column < hills.size(); ++column)
+  {
+    if (hills[column] != NoHill)
+    {
+      volumes[hills[column]] += heights[column];
+    }
+  }
+  const auto first =
+    static_cast<std::size_t>(std::max_element(heights.begin(), heights.end()) - heights.begin());
+  const auto acrossOf = [this](std::size_t column)
+  { return static_cast<int>(column % this->CountAcross); };
+  const auto alongOf = [this](std::size_t column)
+  { return static_cast<int>(column / this->CountAcross); };
+  for (const auto& [peak, volume] : volumes)
+  {
+    const auto [left, right] = std::minmax({ acrossOf(first), acrossOf(peak) });
+    const auto [low, high] = std::minmax({ alongOf(first), alongOf(peak) });
+    if (right - left <= high - low || heights[peak] < OtherHeightPart * heights[first] ||
+      volume < OtherVolumePart * volumes[first])
+    {
+      continue;
+    }
+    // Height of the valley along the way from one peak to the other.
+    std::vector<double> valley;
+    for (int across = left; across <= right; ++across)
+    {
+      double most = 0;
+      for (int along = low; along <= high; ++along)
+      {
+        const std::size_t row = static_cast<std::size_t>(along) * this->CountAcross;
+        most = std::max(most, heights[row + across]);
+      }
+      valley.push_back(most);
+    }
+    const auto lowest = std::min_element(valley.begin(), valley.end());
+    if (heights[peak] - *lowest >= SmallestBreastMm)
+    {
+      // The middle of its floor.
+      const auto isFloor = [floor = *lowest + LeastWidthMm](double height)
+      { return height <= floor; };
+      const auto end = std::find_if_not(lowest, valley.end(), isFloor);
+      const auto begin =
+        std::find_if_not(std::make_reverse_iterator(lowest), valley.rend(), isFloor).base();
+      const double middle =
+        0.5 * static_cast<double>((begin - valley.begin()) + (end - valley.begin()));
+      return this->Low[0] + (left + middle) * this->WidthMm;
+    }
+  }
+  return std::nullopt;
 }
 }

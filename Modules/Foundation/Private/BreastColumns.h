@@ -6,6 +6,8 @@
 #include "mammorayFoundationModule.h"
 
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace mammoray
@@ -28,6 +30,12 @@ public:
   void Add(const Vector3& place, bool isFixed);
   /// Finds the breast in all pieces that were added.
   void Find();
+  /**
+   * The lateral position between two breasts side by side, mm; nothing where there are none. The
+   * second breast is a hill beside the highest, at least half as high and with a quarter of its
+   * tissue, that rises 15 mm above the valley between the two.
+   */
+  std::optional<double> Midline() const;
   /// True if the column of a position belongs to the breast.
   bool IsBreast(const Vector3& place) const { return this->Breast[this->ColumnOf(place)] != 0; }
 
@@ -35,11 +43,13 @@ private:
   std::size_t ColumnOf(const Vector3& place) const;
   /// Heights over the body, mm; negative without tissue.
   std::vector<double> Heights() const;
-  /// 1 for the columns of the highest hill.
-  std::vector<char> HighestHill(const std::vector<double>& heights) const;
+  /// The column of its hill's peak for each column; NoHill without tissue.
+  std::vector<std::size_t> Hills(const std::vector<double>& heights) const;
   /// Calls visit(column, distance in steps) for the columns within `steps` in both directions.
   template <typename Visit>
   void VisitNear(std::size_t column, int steps, Visit visit) const;
+
+  static constexpr auto NoHill = std::numeric_limits<std::size_t>::max();
 
   Vector3 Low;
   double WidthMm;

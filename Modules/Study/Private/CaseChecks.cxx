@@ -237,6 +237,13 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
         Whole(Dot(*way, axes.Superior)) + " mm to the head of that",
       { "Orientation", input.Orientation, { "Orientation", "AcceptUnusual" } });
   }
+  if (MidlineBetweenBreasts(materials, fixed, axes))
+  {
+    throw InputError(PathOfTissue(input) +
+        ": expected one breast, found two side by side; 'mammoray segment' makes labels of one "
+        "side",
+      { "Labels", input.Labels.Path, { "Crop", "AcceptUnusual" } });
+  }
   const LabelVolume kept = KeepBreast(materials, fixed, axes);
   for (const Vector3& direction : { axes.Left, axes.Superior })
   {

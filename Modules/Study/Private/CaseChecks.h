@@ -42,9 +42,10 @@ MAMMORAYSTUDY_EXPORT void CheckPicturedBreast(const RegistrationCase& input, Reg
 void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes);
 
 /**
- * Throws InputError if the volume's breast has no patient's width across or along the body, does
- * not lie in front of what holds it, or is not the breast of the given side ('L', 'R' or '?'). The
- * side shows in a volume that has much more of the body on one side of the breast.
+ * Throws InputError if the volume holds two breasts, if its breast has no patient's width across or
+ * along the body, does not lie in front of what holds it, or is not the breast of the given side
+ * ('L', 'R' or '?'). The side shows in a volume that has much more of the body on one side of the
+ * breast.
  */
 MAMMORAYSTUDY_EXPORT void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
   const std::vector<bool>& held, const AnatomicalAxes& axes, char laterality);
