@@ -49,9 +49,10 @@ MAMMORAYDICOM_EXPORT std::size_t MiddleProjection(const std::vector<Mammogram>& 
 /**
  * Reads a label volume from DICOM or from a volume file (ReadLabelFile). DICOM is always in LPS. A
  * folder is read as a series whose pixel values are the labels. A .dcm file is read as an
- * uncompressed segmentation: labels are segment numbers, fractions count from half of the maximum
- * value, and where segments overlap the smaller one wins. Throws InputError, one line that names
- * the file, on anything else.
+ * uncompressed segmentation (binary, fractional or label map): labels are segment numbers, Names
+ * their labels, fractions count from half of the maximum value, and where segments overlap the
+ * smaller one wins. Throws InputError, one line that names the file, on anything else, on fractions
+ * without a maximum value, and on values beyond it.
  */
 MAMMORAYDICOM_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);

@@ -35,6 +35,8 @@ struct SegmentPixels
   int Rows = 0;
   int Columns = 0;
   int Bits = 0;
+  /// Values are the numbers of segments (LABELMAP), not what is inside one.
+  bool IsMap = false;
   /// Values from this one on are inside.
   int Half = 1;
   const unsigned char* Bytes = nullptr;
@@ -43,14 +45,50 @@ struct SegmentPixels
   {
     return static_cast<std::size_t>(this->Rows) * static_cast<std::size_t>(this->Columns);
   }
-  bool Inside(std::size_t frame, std::size_t pixel) const
+  int Value(std::size_t at) const
   {
     // PS3.5 section 8.1.1: bits fill bytes from the lowest, frames follow without a gap.
-    const std::size_t at = frame * this->PerFrame() + pixel;
-    const int value = this->Bits == 1 ? this->Bytes[at / 8] >> (at % 8) & 1 : this->Bytes[at];
-    return value >= this->Half;
+    return this->Bits == 1 ? this->Bytes[at / 8] >> (at % 8) & 1
+      : this->Bits == 8    ? this->Bytes[at]
+                           : this->Bytes[2 * at] | this->Bytes[2 * at + 1] << 8;
+  }
+  /// The label of a pixel in a frame of a segment.
+  int Label(std::size_t frame, std::size_t pixel, int segment) const
+  {
+    const int value = this->Value(frame * this->PerFrame() + pixel);
+    return this->IsMap ? value : value >= this->Half ? segment : 0;
   }
 };
+
+/// The value from which on a fraction counts as inside; of `largest`, the largest one that there
+/// is.
+int HalfOfFractions(DcmDataset& data, int largest, const std::string& path)
+{
+  const int most = DicomShort(data, DCM_MaximumFractionalValue).value_or(0);
+  // Some writers store the bits of a binary segmentation as bytes.
+  if (most == 0 && largest <= 1)
+  {
+    return 1;
+  }
+  if (most == 0 || largest > most)
+  {
+    throw InputError(path + ": expected Maximum Fractional Value (0062,000E) of fractions up to " +
+      std::to_string(largest) + ", found " + (most == 0 ? "none" : std::to_string(most)) +
+      ": what is inside is not known");
+  }
+  if (largest > 0 && largest < (most + 1) / 2)
+  {
+    const std::string found = "no fraction reaches half of the Maximum Fractional Value " +
+      std::to_string(most) + ", the largest is " + std::to_string(largest) +
+      " (flags in place of fractions?): nothing is inside";
+    if (largest > 1)
+    {
+      throw InputError(path + ": expected fractions of segments, but " + found);
+    }
+    Note(path + ": " + found);
+  }
+  return (most + 1) / 2;
+}
 
 SegmentPixels FindSegmentPixels(DcmDataset& data, std::size_t frames, const std::string& path)
 {
@@ -58,15 +96,14 @@ SegmentPixels FindSegmentPixels(DcmDataset& data, std::size_t frames, const std:
   pixels.Rows = DicomShort(data, DCM_Rows).value_or(0);
   pixels.Columns = DicomShort(data, DCM_Columns).value_or(0);
   pixels.Bits = DicomShort(data, DCM_BitsAllocated).value_or(0);
-  if (pixels.Rows < 1 || pixels.Columns < 1 || (pixels.Bits != 1 && pixels.Bits != 8))
+  pixels.IsMap = DicomText(data, DCM_SegmentationType) == "LABELMAP";
+  const bool isKnown = pixels.Bits == 8 || (pixels.IsMap ? pixels.Bits == 16 : pixels.Bits == 1);
+  if (pixels.Rows < 1 || pixels.Columns < 1 || !isKnown)
   {
-    throw InputError(
-      path + ": expected rows, columns and 1 or 8 bits per pixel, found some of them missing");
-  }
-  if (const int most = DicomShort(data, DCM_MaximumFractionalValue).value_or(0);
-      pixels.Bits == 8 && most > 0)
-  {
-    pixels.Half = (most + 1) / 2;
+    throw InputError(path + ": expected rows, columns and " +
+      (pixels.IsMap ? "8 or 16" : "1 or 8") + " bits per pixel, found " +
+      std::to_string(pixels.Rows) + " x " + std::to_string(pixels.Columns) + " of " +
+      std::to_string(pixels.Bits) + " bits");
   }
   const std::size_t needed =
     (frames * pixels.PerFrame() * static_cast<std::size_t>(pixels.Bits) + 7) / 8;
@@ -85,11 +122,45 @@ SegmentPixels FindSegmentPixels(DcmDataset& data, std::size_t frames, const std:
       " bytes of uncompressed pixels, found " +
       (pixels.Bytes ? std::to_string(found) : std::string("none")));
   }
+  if (pixels.Bits == 8 && !pixels.IsMap)
+  {
+    const unsigned char* const end = pixels.Bytes + frames * pixels.PerFrame();
+    pixels.Half = HalfOfFractions(data, *std::max_element(pixels.Bytes, end), path);
+  }
   return pixels;
 }
 
+/// Slices of segments, and the names of these.
+struct SegmentedSlices
+{
+  std::vector<VolumeSlice> Slices;
+  std::vector<int> Numbers;
+  std::vector<std::string> Names;
+};
+
+void Exchange(Parcel& parcel, SegmentedSlices& segments)
+{
+  parcel(segments.Slices, segments.Numbers, segments.Names);
+}
+
+void ReadSegmentNames(DcmDataset& data, SegmentedSlices& segments)
+{
+  DcmItem* segment = nullptr;
+  for (long item = 0; data.findAndGetSequenceItem(DCM_SegmentSequence, segment, item).good();
+       ++item)
+  {
+    const std::string name = DicomTexts(*segment, DCM_SegmentLabel);
+    const int number = DicomShort(*segment, DCM_SegmentNumber).value_or(0);
+    if (number > 0 && !name.empty())
+    {
+      segments.Numbers.push_back(number);
+      segments.Names.push_back(name);
+    }
+  }
+}
+
 /// The frames of a segmentation, each with the number of its segment as its label.
-std::vector<VolumeSlice> ReadSegmentation(const std::string& path)
+SegmentedSlices ReadSegmentation(const std::string& path)
 {
   const DicomFile file(path, "a DICOM segmentation");
   if (const std::string modality = DicomText(file.Data(), DCM_Modality); modality != "SEG")
@@ -99,7 +170,8 @@ std::vector<VolumeSlice> ReadSegmentation(const std::string& path)
   }
   const DicomFrames frames(file.Data(), path);
   const SegmentPixels pixels = FindSegmentPixels(file.Data(), frames.Count(), path);
-  std::vector<VolumeSlice> slices;
+  SegmentedSlices segments;
+  ReadSegmentNames(file.Data(), segments);
   for (std::size_t frame = 0; frame < frames.Count(); ++frame)
   {
     const std::unique_ptr<DcmItem> header = frames.Flat(frame);
@@ -112,17 +184,17 @@ std::vector<VolumeSlice> ReadSegmentation(const std::string& path)
         "projection");
     }
     const int number = DicomShort(*header, DCM_ReferencedSegmentNumber).value_or(0);
-    if (number < 1)
+    if (number < 1 && !pixels.IsMap)
     {
       throw InputError(slice.Name + ": expected a segment number of at least 1, found none");
     }
     for (std::size_t pixel = 0; pixel < slice.Values.size(); ++pixel)
     {
-      slice.Values[pixel] = static_cast<float>(pixels.Inside(frame, pixel) ? number : 0);
+      slice.Values[pixel] = static_cast<float>(pixels.Label(frame, pixel, number));
     }
-    slices.push_back(std::move(slice));
+    segments.Slices.push_back(std::move(slice));
   }
-  return slices;
+  return segments;
 }
 
 /// Size, place and values of a frame, from 0. `header` is that of the frame.
@@ -314,24 +386,28 @@ void CheckLabels(const std::vector<VolumeSlice>& slices)
 LabelVolume ReadDicomLabels(const std::string& path)
 {
   const bool isFolder = fs::is_directory(path);
-  std::vector<VolumeSlice> slices;
+  SegmentedSlices segments;
   if (isFolder)
   {
-    slices = ReadSeries(path);
+    segments.Slices = ReadSeries(path);
   }
   else
   {
     // Each bit of a segmentation becomes a number of four bytes.
     ReadLimits limits = ReadLimits::Of({ path });
     limits.MemoryBytes *= 2;
-    slices =
+    segments =
       ReadGuarded(path, "a DICOM segmentation", limits, [&] { return ReadSegmentation(path); });
   }
-  CheckLabels(slices);
-  const IntensityVolume values = StackSlices(slices, !isFolder);
+  CheckLabels(segments.Slices);
+  const IntensityVolume values = StackSlices(segments.Slices, !isFolder);
   LabelVolume labels;
   static_cast<VolumeGrid&>(labels) = values;
   labels.Voxels.assign(values.Voxels.begin(), values.Voxels.end());
+  for (std::size_t index = 0; index < segments.Names.size(); ++index)
+  {
+    labels.Names.try_emplace(segments.Numbers[index], segments.Names[index]);
+  }
   return labels;
 }
 

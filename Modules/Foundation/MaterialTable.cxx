@@ -62,27 +62,68 @@ std::string NameOfLabel(const LabelVolume& labels, int label)
   return std::to_string(label) + (name == labels.Names.end() ? "" : " '" + name->second + "'");
 }
 
+std::optional<int> MaterialByNumber(const MaterialTable& table, int label)
+{
+  const auto material = table.MaterialOfLabel.find(label);
+  return material == table.MaterialOfLabel.end() ? std::nullopt : std::optional(material->second);
+}
+
+std::optional<int> MaterialByName(const MaterialTable& table, const LabelVolume& labels, int label)
+{
+  const auto named = labels.Names.find(label);
+  const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
+  const auto material = std::find_if(table.Materials.begin(), table.Materials.end(),
+    [&name](const Material& known) { return Plain(known.Name) == name; });
+  return material == table.Materials.end()
+    ? std::nullopt
+    : std::optional(static_cast<int>(material - table.Materials.begin()));
+}
+
+/// Whether no name of a label that occurs is one of the table's, although all their numbers are.
+/// Says it in a note, except of names that a program made of the numbers.
+bool CountsNumbersAlone(const MaterialTable& table, const LabelVolume& labels,
+  const std::map<int, std::size_t>& counts, const std::string& volumeName)
+{
+  std::string taken;
+  bool isTold = false;
+  for (const auto& [label, count] : counts)
+  {
+    const std::optional<int> material = MaterialByNumber(table, label);
+    if (label == 0)
+    {
+      continue;
+    }
+    if (!material || MaterialByName(table, labels, label))
+    {
+      return false;
+    }
+    const auto named = labels.Names.find(label);
+    const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
+    const std::string number = std::to_string(label);
+    isTold = isTold || (!name.empty() && name != "segment" + number && name != "label" + number);
+    taken += (taken.empty() ? "" : ", ") + NameOfLabel(labels, label) + " is " +
+      table.Materials[static_cast<std::size_t>(*material)].Name;
+  }
+  if (isTold)
+  {
+    Note(volumeName + ": no name of its labels is one of the material table '" + table.Name +
+      "', so that their numbers count: label " + taken);
+  }
+  return true;
+}
+
 /// See ToMaterials.
 std::optional<int> FindMaterial(const MaterialTable& table, const LabelVolume& labels, int label)
 {
-  if (!labels.Names.empty() && label != 0)
-  {
-    const auto named = labels.Names.find(label);
-    const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
-    const auto material = std::find_if(table.Materials.begin(), table.Materials.end(),
-      [&name](const Material& known) { return Plain(known.Name) == name; });
-    if (material != table.Materials.end())
-    {
-      return static_cast<int>(material - table.Materials.begin());
-    }
-    const std::string number = std::to_string(label);
-    if (name != "segment" + number && name != "label" + number)
-    {
-      return std::nullopt;
-    }
-  }
-  const auto material = table.MaterialOfLabel.find(label);
-  return material == table.MaterialOfLabel.end() ? std::nullopt : std::optional(material->second);
+  const std::optional<int> byName =
+    label == 0 ? std::nullopt : MaterialByName(table, labels, label);
+  const auto named = labels.Names.find(label);
+  const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
+  const std::string number = std::to_string(label);
+  return byName ? byName
+    : label == 0 || name == "segment" + number || name == "label" + number
+    ? MaterialByNumber(table, label)
+    : std::nullopt;
 }
 }
 
@@ -95,9 +136,13 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   int unknownLabels = 0;
   std::vector<std::uint16_t> materialOf(65536, 0);
   std::size_t tissueVoxels = 0;
-  for (const auto& [label, count] : labels.CountLabels())
+  const std::map<int, std::size_t> counts = labels.CountLabels();
+  const bool byNumber =
+    labels.Names.empty() || CountsNumbersAlone(*this, labels, counts, volumeName);
+  for (const auto& [label, count] : counts)
   {
-    const std::optional<int> material = FindMaterial(*this, labels, label);
+    const std::optional<int> material =
+      byNumber ? MaterialByNumber(*this, label) : FindMaterial(*this, labels, label);
     if (!material)
     {
       if (++unknownLabels <= mostNamed)

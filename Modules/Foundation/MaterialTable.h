@@ -52,9 +52,9 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
    * Replaces every label by the index of its material. In a volume with Names a label's name
    * decides, whatever number it has: first the material of this name, where upper and lower case,
    * blanks, hyphens and underscores are alike; then, for a name that a program made of the label's
-   * number ("Segment_2", "Label 2"), that number in the table. Labels whose numbers are those of
-   * other materials are noted (Note). In a volume without Names the number decides, as it does for
-   * label 0.
+   * number ("Segment_2", "Label 2"), that number in the table. In a volume without Names the number
+   * decides, as it does for label 0, and where no name at all is one of the table's but all numbers
+   * are. Notes (Note) say so, and which labels have a number that means another material.
    *
    * Throws InputError with each unknown label, its name and its number of voxels (the first ten of
    * many) and the known names, and if all voxels are air.

@@ -34,7 +34,8 @@ inline VolumeAxes AxesOf(bool asGiven)
 /**
  * Reads a label volume with its full geometry, including oblique axes, from NRRD (.nrrd; .nhdr with
  * one data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed) or
- * NIfTI-1 (.nii, .nii.gz; sform if its code is 1, otherwise qform).
+ * NIfTI-1 (.nii, .nii.gz; sform if its code is 1 or there is no qform, otherwise qform; a note if
+ * they differ by half a voxel).
  *
  * The volume has three dimensions (NIfTI may add dimensions of size 1) and any scalar type with
  * whole values in [0, 65535]. Its Names are those of 3D Slicer's segments in an NRRD's header, or

@@ -227,6 +227,52 @@ TEST(DicomLabels, FractionsCountFromAHalf)
   EXPECT_EQ(volume.Voxels[2], 2);
 }
 
+TEST(DicomLabels, FractionsNeedTheirMaximum)
+{
+  TemporaryFolder folder;
+  const std::vector<int> values{ 0, 99, 100, 200, 0, 0, 0, 0, 0, 0, 0, 150 };
+  const std::string whole = SegmentationFile({ { 0, 2, values }, { 1, 2, values } }, 8);
+  const std::string maximum = Element(0x62, 0xe, "US", Us(200));
+  const auto with = [&](const std::string& other)
+  {
+    std::string changed = whole;
+    changed.replace(changed.find(maximum), maximum.size(), other);
+    return LabelsRefusal(folder.Write("seg.dcm", changed));
+  };
+  EXPECT_THAT(with(""),
+    HasSubstr("expected Maximum Fractional Value (0062,000E) of fractions up to "
+              "200, found none"));
+  EXPECT_THAT(with(Element(0x62, 0xe, "US", Us(100))), HasSubstr("up to 200, found 100"));
+  EXPECT_THAT(with(Element(0x62, 0xe, "US", Us(1000))),
+    HasSubstr("half of the Maximum Fractional Value 1000, the largest is 200 (flags"));
+  const std::vector<int> ones{ 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
+  NoteKeeper notes;
+  ReadLabelVolume(folder.Write("seg.dcm", SegmentationFile({ { 0, 2, ones }, { 1, 2, ones } }, 8)));
+  EXPECT_THAT(notes.Lines, testing::ElementsAre(HasSubstr("the largest is 1 (flags in place")));
+  // Bits that are stored as bytes.
+  std::string binary = SegmentationFile({ { 0, 2, ones }, { 1, 2, ones } }, 8);
+  binary.replace(binary.find(maximum), maximum.size(), "");
+  EXPECT_EQ(ReadLabelVolume(folder.Write("seg.dcm", binary)).CountLabels().at(2), 4u);
+}
+
+TEST(DicomLabels, LabelMapsHoldTheNumbersOfSegments)
+{
+  TemporaryFolder folder;
+  const std::vector<int> values{ 0, 1, 2, 200, 0, 0, 0, 0, 0, 0, 0, 1 };
+  std::string map = SegmentationFile({ { 0, 0, values }, { 1, 0, values } }, 8);
+  const std::string maximum = Element(0x62, 0xe, "US", Us(200));
+  map.replace(map.find(maximum), maximum.size(),
+    Element(0x62, 1, "CS", "LABELMAP") +
+      Sequence(0x62, 2,
+        { Element(0x62, 4, "US", Us(1)) + Element(0x62, 5, "LO", "Fat"),
+          Element(0x62, 4, "US", Us(200)) + Element(0x62, 5, "LO", "Gland") }));
+  const LabelVolume volume = ReadLabelVolume(folder.Write("seg.dcm", map));
+  EXPECT_EQ(volume.CountLabels().at(1), 4u);
+  EXPECT_EQ(volume.CountLabels().at(2), 2u);
+  EXPECT_EQ(volume.CountLabels().at(200), 2u);
+  EXPECT_EQ(volume.Names, (std::map<int, std::string>{ { 1, "Fat" }, { 200, "Gland" } }));
+}
+
 TEST(DicomLabels, SegmentationOfRealBreastWithUndefinedLengths)
 {
   const std::string path = SharedData + "/ispy1-breast-voi-seg/ispy1_1001_breast_voi_seg.dcm";

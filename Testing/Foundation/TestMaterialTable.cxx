@@ -96,6 +96,23 @@ TEST(MaterialTable, NamesOfLabelsDecideWhateverTheirNumbers)
   EXPECT_EQ(walled.ToMaterials(volume, "v").Voxels[1], 2);
 }
 
+TEST(MaterialTable, NumbersCountWhereNoNameIsKnown)
+{
+  LabelVolume volume;
+  volume.Size = { 3, 1, 1 };
+  volume.Voxels = { 0, 1, 29 };
+  volume.Names = { { 1, "Fett" }, { 29, "Druese" } };
+  NoteKeeper notes;
+  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre("v: no name of its labels is one of the material table 'two tissues', so "
+                         "that their numbers count: label 1 'Fett' is fat, 29 'Druese' is gland"));
+  notes.Lines.clear();
+  volume.Names = { { 1, "Segment_1" }, { 29, "Segment_29" } };
+  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+}
+
 TEST(MaterialTable, NamesMadeOfNumbersCountAsThem)
 {
   LabelVolume volume;

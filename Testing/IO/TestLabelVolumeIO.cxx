@@ -200,6 +200,139 @@ TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
   EXPECT_EQ(plain.Spacing, (Vector3{ 0.5, 1.5, 2 }));
 }
 
+TEST(LabelVolumeIO, QformsAndSformsThatContradictEachOther)
+{
+  const TemporaryFolder folder;
+  const std::string both = ObliqueNifti(true, true);
+  NoteKeeper notes;
+  ExpectSame(ReadLabelFile(folder.Write("b.nii", both)), Oblique());
+  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  // The sform mirrors left and right.
+  std::string mirrored = both;
+  for (const std::size_t axis : { 0, 1, 2 })
+  {
+    float step = 0;
+    std::memcpy(&step, mirrored.data() + 280 + 4 * axis, sizeof step);
+    Put<float>(mirrored, 280 + 4 * axis, -step);
+  }
+  EXPECT_THAT(ReadMessage(folder.Write("m.nii", mirrored)),
+    testing::HasSubstr("the mirror image of the other: left and right are not known"));
+  // Elsewhere by the sform, which counts if its code is that of the scanner.
+  std::string moved = both;
+  Put<float>(moved, 280 + 12, -20.5f);
+  EXPECT_EQ(ReadLabelFile(folder.Write("s.nii", moved)).Origin[0], 20.5);
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre(testing::HasSubstr("its qform places the volume up to 10.000 mm from "
+                                            "where its sform does; the sform is taken")));
+  notes.Lines.clear();
+  Put<std::int16_t>(moved, 254, 4);
+  EXPECT_EQ(ReadLabelFile(folder.Write("q.nii", moved)).Origin[0], 10.5);
+  EXPECT_THAT(notes.Lines, testing::ElementsAre(testing::HasSubstr("the qform is taken")));
+  notes.Lines.clear();
+  // Voxels of another size than pixdim says.
+  std::string larger = ObliqueNifti(true, false);
+  Put<float>(larger, 80, 0.25f);
+  EXPECT_NEAR(ReadLabelFile(folder.Write("p.nii", larger)).Spacing[0], 0.5, 1e-6);
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre(testing::HasSubstr("its pixdim says voxels of 0.25 x 1.5 x 2 mm")));
+}
+
+TEST(LabelVolumeIO, SmallShearsAreResampled)
+{
+  const TemporaryFolder folder;
+  // 21 x 21 x 3 voxels of 1 mm, whose j axis leans towards i by 0.1; a block in their middle.
+  std::string bytes(352 + 21 * 21 * 3, '\0');
+  Put<std::int32_t>(bytes, 0, 348);
+  const std::int16_t dim[4] = { 3, 21, 21, 3 };
+  std::memcpy(bytes.data() + 40, dim, sizeof(dim));
+  Put<std::int16_t>(bytes, 70, 2);
+  const float pixdim[4] = { 1, 1, 1, 1 };
+  std::memcpy(bytes.data() + 76, pixdim, sizeof(pixdim));
+  Put<float>(bytes, 108, 352);
+  bytes[123] = 2;
+  std::memcpy(bytes.data() + 344, "n+1", 4);
+  Put<std::int16_t>(bytes, 254, 1);
+  const float rows[12] = { 1, 0.1f, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 };
+  std::memcpy(bytes.data() + 280, rows, sizeof(rows));
+  for (int j = 5; j < 16; ++j)
+  {
+    for (int i = 5; i < 16; ++i)
+    {
+      bytes[static_cast<std::size_t>(352 + 441 + 21 * j + i)] = 7;
+    }
+  }
+  NoteKeeper notes;
+  const LabelVolume volume = ReadLabelFile(folder.Write("s.nii", bytes));
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre(testing::HasSubstr("its axes are up to 5.71 degrees off right angles")));
+  // The middle and points beside the leaning edges, LPS: (-(i + 0.1 j), -j, k).
+  EXPECT_EQ(volume.LabelAt({ -11, -10, 1 }), 7);
+  EXPECT_EQ(volume.LabelAt({ -11, -10, 0 }), 0);
+  for (const double j : { 6.0, 14.0 })
+  {
+    EXPECT_EQ(volume.LabelAt({ -(6.5 + 0.1 * j), -j, 1 }), 7) << j;
+    EXPECT_EQ(volume.LabelAt({ -(14.0 + 0.1 * j), -j, 1 }), 7) << j;
+    EXPECT_EQ(volume.LabelAt({ -(3.5 + 0.1 * j), -j, 1 }), 0) << j;
+    EXPECT_EQ(volume.LabelAt({ -(17.0 + 0.1 * j), -j, 1 }), 0) << j;
+  }
+  // The block's volume, to the voxels of its edge.
+  EXPECT_NEAR(static_cast<double>(volume.CountLabels().at(7)), 121, 12);
+  // Intensities keep a linear field.
+  for (int j = 0; j < 21; ++j)
+  {
+    for (int voxel = 0; voxel < 63; ++voxel)
+    {
+      bytes[static_cast<std::size_t>(352 + 441 * (voxel / 21) + 21 * j + voxel % 21)] =
+        static_cast<char>(voxel % 21 + 3 * j);
+    }
+  }
+  const IntensityVolume image = ReadIntensityFile(folder.Write("i.nii", bytes));
+  EXPECT_NEAR(image.ValueAt({ -(10 + 0.1 * 8), -8, 1 }).value_or(0), 10 + 3 * 8, 1e-3);
+}
+
+TEST(LabelVolumeIO, LayersOfSegmentsBecomeOneVolume)
+{
+  const TemporaryFolder folder;
+  const auto layered = [](const std::string& pairs, const std::string& voxels)
+  {
+    return "NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 4 1 1\n"
+           "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\n"
+           "encoding: raw\nspace origin: (0,0,0)\n" +
+      pairs + "\n" + voxels;
+  };
+  // fat in layer 0, gland and a cyst in layer 1: the smaller one counts where they meet.
+  const std::string pairs = "Segment0_Name:=fat\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
+                            "Segment1_Name:=gland\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n"
+                            "Segment2_Name:=cyst\nSegment2_LabelValue:=2\nSegment2_Layer:=1\n";
+  NoteKeeper notes;
+  const LabelVolume volume =
+    ReadLabelFile(folder.Write("l.seg.nrrd", layered(pairs, std::string("\1\0\1\1\1\2\0\1", 8))));
+  EXPECT_THAT(volume.Voxels, testing::ElementsAre(1, 2, 3, 2));
+  EXPECT_EQ(volume.Names,
+    (std::map<int, std::string>{ { 1, "fat" }, { 2, "gland" }, { 3, "cyst" } }));
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre(testing::HasSubstr("its segments overlap in 2 voxels, which are given to "
+                                            "the smaller segment")));
+  EXPECT_THAT(
+    ReadMessage(folder.Write("l.seg.nrrd", layered(pairs, std::string("\1\0\1\1\1\3\0\1", 8)))),
+    testing::HasSubstr("voxel (2, 0, 0) of layer 1 holds 3, which no segment of the header has"));
+  EXPECT_THAT(ReadMessage(folder.Write("l.seg.nrrd", layered("", std::string(8, '\1')))),
+    testing::HasSubstr("expected one label per voxel, found 2 and no segments"));
+  EXPECT_THAT(ReadMessage(folder.Write("l.seg.nrrd",
+                layered("Segment0_Name:=fat\nSegment0_LabelValue:=1\nSegment0_Layer:=5\n",
+                  std::string(8, '\1')))),
+    testing::HasSubstr("expected a layer from 0 to 1 for segment 'fat', found 5"));
+  // As 3D Slicer wrote them before it had layers; labels that differ are kept.
+  const LabelVolume old = ReadLabelFile(folder.Write("o.seg.nrrd",
+    layered("Segment0_Name:=fat\nSegment1_Name:=gland\n", std::string("\1\0\0\1\0\0\0\0", 8))));
+  EXPECT_THAT(old.Voxels, testing::ElementsAre(1, 2, 0, 0));
+  const LabelVolume own = ReadLabelFile(folder.Write("w.seg.nrrd",
+    layered("Segment0_Name:=fat\nSegment0_LabelValue:=4\nSegment0_Layer:=0\n"
+            "Segment1_Name:=gland\nSegment1_LabelValue:=9\nSegment1_Layer:=1\n",
+      std::string("\4\0\0\x9\0\0\0\0", 8))));
+  EXPECT_THAT(own.Voxels, testing::ElementsAre(4, 9, 0, 0));
+}
+
 TEST(LabelVolumeIO, NrrdSpaces)
 {
   const TemporaryFolder folder;

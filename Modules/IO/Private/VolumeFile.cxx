@@ -4,17 +4,17 @@
 #include "Private/InputFile.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
+#include "Private/VolumePlacement.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
 
-#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
+#include <cstdint>
 #include <iterator>
 
 namespace mammoray
@@ -65,22 +65,13 @@ void CallItk(const std::string& refusal, const Action& action)
   }
 }
 
-/// A NIfTI header's number, by the name that nifti1.h has for it.
-double NiftiNumber(const itk::ImageIOBase& itk, const std::string& name)
-{
-  std::string text;
-  itk::ExposeMetaData<std::string>(itk.GetMetaDataDictionary(), name, text);
-  return std::strtod(text.c_str(), nullptr);
-}
-
 /// Size, origin and axes as ITK has them.
 VolumeGrid GridOf(const itk::ImageIOBase& itk, const std::string& path)
 {
-  if (itk.GetNumberOfDimensions() != 3 || itk.GetNumberOfComponents() != 1)
+  if (itk.GetNumberOfDimensions() != 3)
   {
-    throw InputError(path + ": expected a volume of three dimensions, one value per voxel, found " +
-      std::to_string(itk.GetNumberOfDimensions()) + " dimensions, " +
-      std::to_string(itk.GetNumberOfComponents()) + " value(s)");
+    throw InputError(path + ": expected a volume of three dimensions, found " +
+      std::to_string(itk.GetNumberOfDimensions()) + " dimensions");
   }
   if (itk.GetComponentType() == itk::ImageIOBase::IOComponentEnum::UNKNOWNCOMPONENTTYPE)
   {
@@ -179,8 +170,10 @@ double AsWritten(double value)
 }
 
 /// ITK turns NIfTI's RAS into LPS where the header tells a frame at all.
-void TurnNifti(VolumeGrid& grid, const itk::ImageIOBase& itk, VolumeAxes axes)
+void TurnNifti(VolumeGrid& grid, const NiftiHeader& header, const std::string& path,
+  VolumeAxes axes)
 {
+  TakeNiftiPlacement(path, header, grid);
   for (int a = 0; a < 3; ++a)
   {
     grid.Origin[a] = AsWritten(grid.Origin[a]);
@@ -190,24 +183,37 @@ void TurnNifti(VolumeGrid& grid, const itk::ImageIOBase& itk, VolumeAxes axes)
       component = AsWritten(component);
     }
   }
-  const bool turned = NiftiNumber(itk, "sform_code") > 0 || NiftiNumber(itk, "qform_code") > 0;
+  const bool turned = header.At<std::int16_t>(254) > 0 || header.At<std::int16_t>(252) > 0;
   Flip(grid, turned && axes == VolumeAxes::AsGiven ? Vector3{ -1, -1, 1 } : Vector3{ 1, 1, 1 });
 }
 
-StoredVoxels NiftiVoxels(const itk::ImageIOBase& itk, const std::string& path, bool compressed)
+/// ITK refuses sheared axes only after it has read all else.
+void ReadNiftiInformation(itk::ImageIOBase& itk)
 {
-  const int unit = static_cast<int>(NiftiNumber(itk, "xyzt_units")) & 7;
+  try
+  {
+    itk.ReadImageInformation();
+  }
+  catch (const itk::ExceptionObject& error)
+  {
+    if (std::string(error.GetDescription()).find("orthonormal") == std::string::npos)
+    {
+      throw;
+    }
+  }
+}
+
+StoredVoxels NiftiVoxels(const NiftiHeader& header, const std::string& path, bool compressed)
+{
+  const int unit = header.At<char>(123) & 7;
   if (unit != 0 && unit != 2)
   {
     // ITK turns spacings of other units into mm, but not the origin.
     throw InputError(
       path + ": xyzt_units: expected mm (2) or none (0), found " + std::to_string(unit));
   }
-  if (NiftiNumber(itk, "nifti_type") != 1)
-  {
-    throw InputError(path + ": expected NIfTI-1 in one file (magic n+1), found another form");
-  }
-  StoredVoxels voxels{ path, static_cast<std::uint64_t>(NiftiNumber(itk, "vox_offset")) };
+  const double offset = header.Number(108);
+  StoredVoxels voxels{ path, offset > 0 && offset < 1e9 ? static_cast<std::uint64_t>(offset) : 0 };
   voxels.Packed = compressed ? StoredVoxels::Packing::File : StoredVoxels::Packing::None;
   return voxels;
 }
@@ -290,7 +296,8 @@ itk::ImageIOBase::Pointer Open(const std::string& path, const std::string& what,
 }
 
 void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes axes,
-  const std::function<void(const VolumeGrid& grid)>& begin, const TakeValues& take)
+  const std::function<void(const VolumeGrid& grid, std::size_t channels)>& begin,
+  const TakeValues& take)
 {
   CheckReadable(path, what);
   const std::string refusal = path + ": expected " + what + ", found data that cannot be read";
@@ -328,25 +335,26 @@ void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes
   else if (extension == ".nii" || extension == ".nii.gz")
   {
     itk = Open<itk::NiftiImageIO>(path, what, refusal, "NIfTI");
-    readHeader();
-    stored = NiftiVoxels(*itk, path, extension == ".nii.gz");
-    if (const double bits = NiftiNumber(*itk, "bitpix"); bits >= 8)
-    {
-      storedBytes = static_cast<std::uint64_t>(bits) / 8;
-    }
-    TurnNifti(grid, *itk, axes);
+    const NiftiHeader header(path);
+    CallItk(refusal, [&] { ReadNiftiInformation(*itk); });
+    grid = GridOf(*itk, path);
+    stored = NiftiVoxels(header, path, extension == ".nii.gz");
+    const int bits = header.At<std::int16_t>(72);
+    storedBytes = bits >= 8 ? static_cast<std::uint64_t>(bits) / 8 : itk->GetComponentSize();
+    TurnNifti(grid, header, path, axes);
   }
   else
   {
     throw InputError(path + ": expected " + what +
       " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz), found the extension '" + extension + "'");
   }
-  const std::uint64_t count = itk->GetImageSizeInPixels();
+  const std::size_t channels = itk->GetNumberOfComponents();
+  const std::uint64_t count = itk->GetImageSizeInPixels() * channels;
   stored.CheckPresent(path, count, storedBytes);
   // ITK's formats keep up to three copies, the asking reader one of four bytes.
   AllowMemory(ReadLimits::Of({ path }).MemoryBytes +
     count * (4 * std::max<std::uint64_t>(storedBytes, 8) + 8));
-  begin(grid);
+  begin(grid, channels);
   DecodeAll(*itk, path, refusal, take);
 }
 

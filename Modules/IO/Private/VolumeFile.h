@@ -15,12 +15,14 @@ using TakeValues = std::function<void(const double* values, std::size_t count)>;
 
 /**
  * Reads a file of one volume (.nrrd .nhdr .mha .mhd .nii .nii.gz; see ReadLabelFile). `begin` gets
- * the grid, not yet validated, then `take` all values in their order, some at a time. Throws
+ * the grid, not yet validated, and the number of values per voxel, then `take` all values in their
+ * order, those of a voxel one after the other, some at a time. Throws
  * InputError on a file that is none, that is damaged, or that does not hold all voxels that its
  * header promises; `what` is the expected content, for its messages.
  */
 void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes axes,
-  const std::function<void(const VolumeGrid& grid)>& begin, const TakeValues& take);
+  const std::function<void(const VolumeGrid& grid, std::size_t channels)>& begin,
+  const TakeValues& take);
 
 /// Returns true for the extensions of the formats that WriteVolumeFile writes.
 inline bool IsVolumeExtension(const std::string& extension)
