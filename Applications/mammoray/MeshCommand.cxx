@@ -18,7 +18,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #endif
 
 namespace mammoray
@@ -65,7 +64,8 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
   add.File("--check", arguments.Check,
     "check this mesh or surface instead of making one\n(.vtu, legacy .vtk, .vtp .stl .ply .obj "
-    ".glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
+    ".msh .glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each "
+    "kind "
     "of defect)");
   add("--report", arguments.Report,
     "write volumes, cell quality and troubles with their places (.json)");
@@ -225,8 +225,7 @@ void RunCheck(const MeshArguments& arguments)
   std::vector<std::string> names;
   MeshCheck check;
   vtkSmartPointer<vtkUnstructuredGrid> grid;
-  const std::filesystem::path extension = std::filesystem::path(arguments.Check).extension();
-  if (extension == ".vtu" || extension == ".vtk")
+  if (IsVolumeMesh(arguments.Check))
   {
     grid = ReadMesh(arguments.Check);
     check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());

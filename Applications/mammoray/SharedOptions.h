@@ -55,7 +55,8 @@ inline const SharedOption Mammograms{ "--mammogram",
 inline const SharedOption Materials{ "--materials",
   "material table: .json or a shipped one's name (victre, segment, ...)", InputTypeName };
 inline const SharedOption Mesh{ "--mesh",
-  "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, or one "
+  "tetrahedra (.vtu .vtk .msh) or surfaces (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, "
+  "or one "
   "material; those of the material table)",
   FileTypeName };
 inline const SharedOption Result{ "--result", "folder written by 'mammoray register'",
@@ -74,8 +75,9 @@ inline const SharedOption Orientation{ "--orientation",
   "+y "
   "and +z; LPS is DICOM's, ALS that of the FDA's phantoms)" };
 inline const SharedOption Surface{ "--surface",
-  "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .glb "
-  ".gltf; for an X-ray the material may be what it is made of, with the density in g/cm3 where "
+  "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .msh "
+  ".glb .gltf; for an X-ray the material may be what it is made of, with the density in g/cm3 "
+  "where "
   "that does not tell it: 'Ti90Al6V4@4.43=matrix.stl')",
   "MATERIAL=FILE" };
 

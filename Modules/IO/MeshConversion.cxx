@@ -6,6 +6,7 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
+#include "vtkCellTypes.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -14,12 +15,14 @@
 #include "vtkNew.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkPolygon.h"
 #include "vtkStringArray.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkUnsignedShortArray.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <utility>
 
@@ -65,6 +68,58 @@ std::uint16_t MaterialAt(vtkDataArray* array, vtkIdType cell)
   return static_cast<std::uint16_t>(value);
 }
 
+/// Cuts polygons, which may be concave, into triangles.
+class PolygonCutter
+{
+public:
+  explicit PolygonCutter(vtkPolyData* surface)
+    : Surface(surface)
+  {
+  }
+
+  /// Three points for each triangle. A polygon without area is cut from its first corner.
+  const std::vector<vtkIdType>& Cut(vtkIdType polygon)
+  {
+    vtkIdType size = 0;
+    const vtkIdType* ids = nullptr;
+    this->Surface->GetPolys()->GetCellAtId(polygon, size, ids);
+    this->Corners.clear();
+    if (size < 3 ||
+      std::any_of(ids, ids + size,
+        [this](vtkIdType id) { return id < 0 || id >= this->Surface->GetNumberOfPoints(); }))
+    {
+      throw InputError("surface: cell " + std::to_string(polygon) +
+        ": expected three points or more, all of them there, found " + std::to_string(size));
+    }
+    this->Ears->Reset();
+    if (size > 3)
+    {
+      const std::vector<vtkIdType> corners(ids, ids + size);
+      this->Polygon->Initialize(static_cast<int>(size), corners.data(), this->Surface->GetPoints());
+      this->Polygon->Triangulate(this->Ears);
+    }
+    if (this->Ears->GetNumberOfIds() == 3 * (size - 2))
+    {
+      for (const vtkIdType ear : *this->Ears)
+      {
+        this->Corners.push_back(ids[ear]);
+      }
+      return this->Corners;
+    }
+    for (vtkIdType corner = 2; corner < size; ++corner)
+    {
+      this->Corners.insert(this->Corners.end(), { ids[0], ids[corner - 1], ids[corner] });
+    }
+    return this->Corners;
+  }
+
+private:
+  vtkPolyData* const Surface;
+  vtkNew<vtkPolygon> Polygon;
+  vtkNew<vtkIdList> Ears;
+  std::vector<vtkIdType> Corners;
+};
+
 /// Exchanges the sides of materials whose triangles, taken together, enclose a negative volume.
 void OrientOutwards(SurfaceMesh& mesh)
 {
@@ -89,6 +144,18 @@ void OrientOutwards(SurfaceMesh& mesh)
     }
   }
 }
+}
+
+std::string NameOfCellType(int type)
+{
+  std::string name;
+  for (const char letter : std::string(vtkCellTypes::GetClassNameFromTypeId(type)).substr(3))
+  {
+    const bool begins = std::isupper(static_cast<unsigned char>(letter)) != 0;
+    name += begins && !name.empty() ? " " : "";
+    name += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  return name == "tetra" ? "tetrahedron" : name;
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
@@ -148,9 +215,8 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
   {
     if (grid->GetCellType(cell) != VTK_TETRA)
     {
-      throw InputError("grid: cell " + std::to_string(cell) +
-        ": expected a linear tetrahedron (type 10), found type " +
-        std::to_string(grid->GetCellType(cell)));
+      throw InputError("grid: cell " + std::to_string(cell) + ": expected a tetrahedron, found a " +
+        NameOfCellType(grid->GetCellType(cell)));
     }
     grid->GetCellPoints(cell, ids);
     for (int corner = 0; corner < 4; ++corner)
@@ -204,11 +270,13 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
   }
   vtkCellArray* polys = surface->GetPolys();
   const vtkIdType cellCount = polys ? polys->GetNumberOfCells() : 0;
-  if (cellCount == 0 || surface->GetNumberOfCells() != cellCount)
+  if (cellCount == 0 || surface->GetNumberOfStrips() > 0)
   {
-    throw InputError("surface: expected triangles only, found " + std::to_string(cellCount) +
-      " polygons among " + std::to_string(surface->GetNumberOfCells()) + " cells");
+    throw InputError("surface: expected polygons, found " +
+      (surface->GetNumberOfStrips() > 0 ? std::string("strips of triangles") : "none"));
   }
+  // Cells' data begin with vertices and lines, which bound nothing.
+  const vtkIdType before = surface->GetNumberOfVerts() + surface->GetNumberOfLines();
   vtkCellData* data = surface->GetCellData();
   vtkDataArray* front = data->GetArray(FrontMaterialArrayName);
   vtkDataArray* back = data->GetArray(BackMaterialArrayName);
@@ -218,24 +286,20 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
     throw InputError(std::string("surface: expected both cell arrays '") + FrontMaterialArrayName +
       "' and '" + BackMaterialArrayName + "', found one of them");
   }
-  for (vtkIdType cell = 0; cell < cellCount; ++cell)
+  PolygonCutter cutter(surface);
+  for (vtkIdType polygon = 0; polygon < cellCount; ++polygon)
   {
-    vtkIdType size = 0;
-    const vtkIdType* ids = nullptr;
-    polys->GetCellAtId(cell, size, ids);
-    if (size != 3)
+    const vtkIdType cell = before + polygon;
+    const std::uint16_t ahead = front ? MaterialAt(front, cell) : std::uint16_t{ 0 };
+    const std::uint16_t behind = back ? MaterialAt(back, cell)
+      : inside                        ? MaterialAt(inside, cell)
+                                      : std::uint16_t{ 1 };
+    for (const vtkIdType corner : cutter.Cut(polygon))
     {
-      throw InputError("surface: cell " + std::to_string(cell) + ": expected a triangle, found " +
-        std::to_string(size) + " points");
+      mesh.Triangles.push_back(static_cast<std::uint32_t>(corner));
     }
-    for (int corner = 0; corner < 3; ++corner)
-    {
-      mesh.Triangles.push_back(static_cast<std::uint32_t>(ids[corner]));
-    }
-    mesh.FrontMaterials.push_back(front ? MaterialAt(front, cell) : std::uint16_t{ 0 });
-    mesh.BackMaterials.push_back(back ? MaterialAt(back, cell)
-        : inside                      ? MaterialAt(inside, cell)
-                                      : std::uint16_t{ 1 });
+    mesh.FrontMaterials.resize(mesh.NumberOfTriangles(), ahead);
+    mesh.BackMaterials.resize(mesh.NumberOfTriangles(), behind);
   }
   mesh.Validate("surface");
   if (!back)

@@ -39,6 +39,9 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralM
 MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,
   std::vector<std::string>* materialNames = nullptr);
 
+/// What a cell of VTK's type is: "quadratic hexahedron".
+MAMMORAYIO_EXPORT std::string NameOfCellType(int type);
+
 /// Adds the field array "Placement".
 MAMMORAYIO_EXPORT void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed);
 /// Returns the placement of the field array "Placement"; nothing without one of 4 x 3 values.
@@ -49,11 +52,11 @@ inline constexpr const char* FrontMaterialArrayName = "FrontMaterial";
 inline constexpr const char* BackMaterialArrayName = "BackMaterial";
 
 /**
- * Converts triangles. Their materials are those of the cell arrays "FrontMaterial" and
- * "BackMaterial"; without these, "Material" is inside closed surfaces in air, whichever way they
- * are oriented as a whole; without any array, material 1 is. Throws InputError, which names the
- * cell, on cells other than triangles and on materials outside [0, 65535]. `materialNames` receives
- * the field array "MaterialNames".
+ * Converts polygons, which are cut into triangles; lines and vertices are left out. Their materials
+ * are those of the cell arrays "FrontMaterial" and "BackMaterial"; without these, "Material" is
+ * inside closed surfaces in air, whichever way they are oriented as a whole; without any array,
+ * material 1 is. Throws InputError, which names the cell, on strips and on materials outside [0,
+ * 65535]. `materialNames` receives the field array "MaterialNames".
  */
 MAMMORAYIO_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
   std::vector<std::string>* materialNames = nullptr);

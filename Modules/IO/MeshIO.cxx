@@ -2,29 +2,31 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "Private/GltfReader.h"
+#include "Private/GmshFile.h"
 #include "Private/InputFile.h"
+#include "Private/SurfaceFiles.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/MeshConversion.h"
 
+#include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkCharArray.h"
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
 #include "vtkFieldData.h"
+#include "vtkGenericCell.h"
 #include "vtkIdList.h"
 #include "vtkNew.h"
-#include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
 #include "vtkObject.h"
-#include "vtkPLYReader.h"
 #include "vtkPLYWriter.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkSTLReader.h"
 #include "vtkSTLWriter.h"
 #include "vtkTriangleFilter.h"
 #include "vtkUnstructuredGrid.h"
@@ -37,9 +39,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-#include <type_traits>
+#include <limits>
+#include <map>
 
 namespace mammoray
 {
@@ -149,53 +150,23 @@ void Write(vtkPointSet* mesh, const std::string& path)
   }
 }
 
-/// VTK takes a vertex of an OBJ or STL file in text that it cannot read for 0 or for the one
-/// before.
-void CheckVertices(const std::string& path, const std::string& keyword)
-{
-  std::ifstream file(path);
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number)
-  {
-    std::istringstream words(line);
-    std::string word;
-    if (!(words >> word) || word != keyword)
-    {
-      continue;
-    }
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      double value = 0;
-      if (!(words >> word) || !ToNumber(word.substr(word.starts_with('+') ? 1 : 0), value) ||
-        !std::isfinite(value))
-      {
-        throw InputError(LineName(path, number) + ": expected three numbers for a vertex, found '" +
-          line.substr(0, 60) + "'");
-      }
-    }
-  }
-}
-
 template <typename Reader>
 auto Decode(const std::string& path)
 {
-  if constexpr (std::is_same_v<Reader, vtkOBJReader>)
-  {
-    CheckVertices(path, "v");
-  }
-  if constexpr (std::is_same_v<Reader, vtkSTLReader>)
-  {
-    CheckVertices(path, "vertex");
-  }
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
   Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
-  vtkSmartPointer mesh = reader->GetOutput();
+  return vtkSmartPointer(reader->GetOutput());
+}
+
+/// Throws InputError unless the mesh has points and cells.
+template <typename Mesh>
+void CheckSome(Mesh* mesh, const std::string& path)
+{
   if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
   {
     throw InputError(path + ": expected a mesh, found no points or no cells");
   }
-  return mesh;
 }
 
 /// Throws InputError, which names the place, on cells whose points do not exist, and as
@@ -252,12 +223,101 @@ void TrimAttributes(vtkDataSetAttributes* data, vtkIdType tuples, const std::str
   }
 }
 
-/// The grid as bytes of VTK's legacy format, which a reader's process sends.
-std::string PackGrid(vtkUnstructuredGrid* grid, const std::string& path)
+/// How many dimensions a cell of that type has; 0 of an empty one.
+int DimensionOf(int type)
 {
-  CheckGrid(grid, path);
-  TrimAttributes(grid->GetPointData(), grid->GetNumberOfPoints(), path);
-  TrimAttributes(grid->GetCellData(), grid->GetNumberOfCells(), path);
+  vtkNew<vtkGenericCell> cell;
+  cell->SetCellType(type);
+  return cell->GetCellDimension();
+}
+
+/// The linear tetrahedra of a grid, with their points and data. Cells of fewer dimensions are left
+/// out, of quadratic tetrahedra the corners are kept, both with a note.
+vtkSmartPointer<vtkUnstructuredGrid> TetrahedraOf(vtkUnstructuredGrid* grid,
+  const std::string& path)
+{
+  const vtkIdType cellCount = grid->GetNumberOfCells();
+  vtkIdType straightened = 0;
+  vtkIdType tetrahedra = 0;
+  std::map<int, vtkIdType> leftOut;
+  for (vtkIdType cell = 0; cell < cellCount; ++cell)
+  {
+    const int type = grid->GetCellType(cell);
+    straightened += type == VTK_QUADRATIC_TETRA ? 1 : 0;
+    tetrahedra += type == VTK_TETRA ? 1 : 0;
+    if (type == VTK_TETRA || type == VTK_QUADRATIC_TETRA)
+    {
+      continue;
+    }
+    if (DimensionOf(type) == 3)
+    {
+      throw InputError(path + ": cell " + std::to_string(cell) +
+        ": expected a tetrahedron, found a " + NameOfCellType(type));
+    }
+    ++leftOut[type];
+  }
+  if (straightened == 0 && leftOut.empty())
+  {
+    return grid;
+  }
+  if (!leftOut.empty() && straightened + tetrahedra == 0)
+  {
+    throw InputError(path + ": expected tetrahedra, found cells that are no volumes (" +
+      NameOfCellType(leftOut.begin()->first) + ")");
+  }
+  auto kept = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  vtkNew<vtkPoints> points;
+  points->SetDataType(grid->GetPoints()->GetDataType());
+  kept->SetPoints(points);
+  kept->Allocate(cellCount);
+  kept->GetFieldData()->ShallowCopy(grid->GetFieldData());
+  kept->GetPointData()->CopyAllocate(grid->GetPointData());
+  kept->GetCellData()->CopyAllocate(grid->GetCellData());
+  std::vector<vtkIdType> idOf(static_cast<std::size_t>(grid->GetNumberOfPoints()), -1);
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType cell = 0; cell < cellCount; ++cell)
+  {
+    if (leftOut.count(grid->GetCellType(cell)) > 0)
+    {
+      continue;
+    }
+    grid->GetCellPoints(cell, corners);
+    vtkIdType ids[4];
+    for (vtkIdType corner = 0; corner < 4; ++corner)
+    {
+      const vtkIdType from = corners->GetId(corner);
+      vtkIdType& to = idOf[static_cast<std::size_t>(from)];
+      if (to < 0)
+      {
+        to = points->InsertNextPoint(grid->GetPoint(from));
+        kept->GetPointData()->CopyData(grid->GetPointData(), from, to);
+      }
+      ids[corner] = to;
+    }
+    kept->GetCellData()->CopyData(grid->GetCellData(), cell,
+      kept->InsertNextCell(VTK_TETRA, 4, ids));
+  }
+  if (straightened > 0)
+  {
+    Note(path + ": " + std::to_string(straightened) +
+      " quadratic tetrahedra are taken with straight edges, by their corners");
+  }
+  for (const auto& [type, count] : leftOut)
+  {
+    Note(path + ": left out " + std::to_string(count) + " cells that are no volumes (" +
+      NameOfCellType(type) + ")");
+  }
+  return kept;
+}
+
+/// The grid as bytes of VTK's legacy format, which a reader's process sends.
+std::string PackGrid(vtkUnstructuredGrid* read, const std::string& path)
+{
+  CheckSome(read, path);
+  CheckGrid(read, path);
+  TrimAttributes(read->GetPointData(), read->GetNumberOfPoints(), path);
+  TrimAttributes(read->GetCellData(), read->GetNumberOfCells(), path);
+  const auto grid = TetrahedraOf(read, path);
   vtkNew<vtkUnstructuredGridWriter> writer;
   writer->SetInputData(grid);
   writer->SetFileTypeToBinary();
@@ -280,13 +340,44 @@ vtkSmartPointer<vtkUnstructuredGrid> UnpackGrid(const std::string& bytes, const 
 using GridDecoder = vtkSmartPointer<vtkUnstructuredGrid> (*)(const std::string& path);
 using SurfaceDecoder = vtkSmartPointer<vtkPolyData> (*)(const std::string& path);
 
+/// The triangles and quads of a gmsh file without volumes.
+vtkSmartPointer<vtkPolyData> ReadGmshSurface(const std::string& path)
+{
+  const auto grid = ReadGmsh(path);
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkCellArray> polygons;
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+  {
+    const int type = grid->GetCellType(cell);
+    if (DimensionOf(type) == 3)
+    {
+      throw InputError(
+        path + ": expected a surface, found a mesh of volumes (" + NameOfCellType(type) + ")");
+    }
+    if (type != VTK_TRIANGLE && type != VTK_QUAD && DimensionOf(type) == 2)
+    {
+      throw InputError(path + ": expected triangles or quads, found a " + NameOfCellType(type));
+    }
+    if (DimensionOf(type) == 2)
+    {
+      grid->GetCellPoints(cell, corners);
+      polygons->InsertNextCell(corners);
+    }
+  }
+  surface->SetPoints(grid->GetPoints());
+  surface->SetPolys(polygons);
+  return surface;
+}
+
 SurfaceDecoder FindSurfaceDecoder(const std::string& path)
 {
   const std::string extension = ExtensionOf(path);
   return extension == ".vtp" ? Decode<vtkXMLPolyDataReader>
-    : extension == ".stl"    ? Decode<vtkSTLReader>
-    : extension == ".ply"    ? Decode<vtkPLYReader>
-    : extension == ".obj"    ? Decode<vtkOBJReader>
+    : extension == ".stl"    ? ReadStl
+    : extension == ".ply"    ? ReadPly
+    : extension == ".obj"    ? ReadObj
+    : extension == ".msh"    ? ReadGmshSurface
     : IsGltf(path)           ? SurfaceDecoder(ReadGltf)
                              : nullptr;
 }
@@ -304,9 +395,36 @@ void Exchange(Parcel& parcel, NamedSurface& surface)
     surface.Mesh.BackMaterials, surface.MaterialNames);
 }
 
+/// Notes how far floats that were written lie from what they stand for, where that is more than a
+/// micrometre for a metre of the part.
+void NoteRounding(vtkPolyData* surface, const std::string& path)
+{
+  if (surface->GetPoints()->GetDataType() != VTK_FLOAT)
+  {
+    return;
+  }
+  double bounds[6];
+  surface->GetBounds(bounds);
+  double far = 0;
+  double wide = 0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    far = std::max({ far, std::abs(bounds[2 * axis]), std::abs(bounds[2 * axis + 1]) });
+    wide = std::max(wide, bounds[2 * axis + 1] - bounds[2 * axis]);
+  }
+  const double rounded = far * std::numeric_limits<float>::epsilon() / 2;
+  if (rounded > 1e-6 * wide)
+  {
+    Note(path + ": its coordinates are floats up to " + NumberText(far) +
+      " from the origin, rounded by up to " + NumberText(rounded) + ", of a part " +
+      NumberText(wide) + " wide; a part nearer to the origin keeps its shape");
+  }
+}
+
 NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
 {
   const auto decoded = decode(path);
+  CheckSome(decoded.Get(), path);
   for (vtkIdType point = 0; point < decoded->GetNumberOfPoints(); ++point)
   {
     CheckCoordinates(path, static_cast<std::size_t>(point), decoded->GetPoint(point));
@@ -315,6 +433,7 @@ NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
   {
     NamedSurface surface;
     surface.Mesh = FromPolyData(decoded, &surface.MaterialNames);
+    NoteRounding(decoded, path);
     return surface;
   }
   catch (const InputError& error)
@@ -322,6 +441,7 @@ NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
     throw InputError(path + ": " + error.what());
   }
 }
+
 }
 
 void WriteMesh(vtkPointSet* mesh, const std::string& path)
@@ -377,14 +497,21 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
   const std::string extension = ExtensionOf(path);
   const GridDecoder decode = extension == ".vtu" ? Decode<vtkXMLUnstructuredGridReader>
     : extension == ".vtk"                        ? Decode<vtkUnstructuredGridReader>
+    : extension == ".msh"                        ? GridDecoder(ReadGmsh)
                                                  : nullptr;
   if (!decode)
   {
-    RefuseExtension(path, "a volume mesh", ".vtu or .vtk");
+    RefuseExtension(path, "a volume mesh", ".vtu, .vtk or .msh");
   }
   return UnpackGrid(ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
                       [&] { return PackGrid(decode(path), path); }),
     path);
+}
+
+bool IsVolumeMesh(const std::string& path)
+{
+  const std::string extension = ExtensionOf(path);
+  return extension == ".vtu" || extension == ".vtk" || extension == ".msh";
 }
 
 SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* materialNames)
@@ -393,7 +520,7 @@ SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* mater
   const SurfaceDecoder decode = FindSurfaceDecoder(path);
   if (!decode)
   {
-    RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .glb or .gltf");
+    RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .msh, .glb or .gltf");
   }
   NamedSurface read = ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
     [&] { return DecodeSurface(path, decode); });

@@ -23,16 +23,24 @@ namespace mammoray
  */
 MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 
-/// Reads .vtu, or an unstructured grid in VTK's legacy .vtk. Throws InputError on a missing,
-/// damaged or empty file.
+/**
+ * Reads the tetrahedra of a .vtu, of an unstructured grid in VTK's legacy .vtk, or of gmsh's .msh
+ * (2.2 and 4.1), whose physical groups are materials. Cells of fewer dimensions are left out, of
+ * quadratic tetrahedra the corners are kept; Note gets a line of each. Throws InputError
+ * on other cells of three dimensions and on a missing, damaged or empty file.
+ */
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
+/// Whether ReadMesh takes a file of this name; others are for ReadSurface.
+MAMMORAYIO_EXPORT bool IsVolumeMesh(const std::string& path);
+
 /**
- * Reads triangles from .vtp, .stl, .ply, .obj, or from all parts of the scene of a .glb or .gltf
- * (glTF 2.0; its metres become mm). Their materials, and `materialNames`, are as FromPolyData has
- * them. Throws InputError on a missing, damaged or empty file, on cells other than triangles, and
- * on contents of glTF that would be shown differently elsewhere (skins, morph targets, required
- * extensions).
+ * Reads polygons, cut into triangles, from .vtp, .stl, .ply, .obj, .msh, or from all parts of the
+ * scene of a .glb or .gltf (glTF 2.0; its metres become mm). Their materials, and `materialNames`,
+ * are as FromPolyData has them. Note gets a line where the file's floats have rounded
+ * its coordinates by more than a millionth of the part. Throws InputError on a missing, damaged or
+ * empty file, and on contents of glTF that would be shown differently elsewhere (skins, morph
+ * targets, required extensions). What each format may hold: docs/meshes.md.
  */
 MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
   std::vector<std::string>* materialNames = nullptr);

@@ -228,6 +228,10 @@ void WriteMeshes(
   std::ofstream(place("scene.glb", ReadSurfaceMesh), std::ios::binary) << test::GlbOfTetrahedron();
   WriteBy<vtkPLYWriter>(surface.Get(), place("text.ply", ReadSurfaceMesh),
     [](auto* writer) { writer->SetFileTypeToASCII(); });
+  std::ofstream(place("text.msh", ReadVolumeMesh))
+    << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 5 \"fat\"\n"
+       "$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+       "$Elements\n2\n1 2 2 7 1 1 2 3\n2 4 2 5 1 1 2 3 4\n$EndElements\n";
   WriteBy<vtkSTLWriter>(surface.Get(), place("text.stl", ReadSurfaceMesh),
     [](auto* writer) { writer->SetFileTypeToASCII(); });
 }

@@ -4,14 +4,17 @@
 #include "OptionList.h"
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
+#include "Private/GmshFile.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoredVoxels.h"
+#include "Private/SurfaceFiles.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomNetwork.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/MaterialTableIO.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ScratchFolder.h"
@@ -20,6 +23,9 @@
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyAnswers.h"
 #include "mammoray/XRay/Composition.h"
+
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -96,6 +102,15 @@ FuzzTarget OfHeader(const char* name, TextHeader (*read)(const std::string&), co
 void ReadResult(const std::string& path)
 {
   ReadResultFiles(std::filesystem::path(path).parent_path().string());
+}
+
+/// Polygons that were read, if there are any.
+void ToTriangles(vtkPolyData* surface)
+{
+  if (surface->GetNumberOfCells() > 0)
+  {
+    FromPolyData(surface).Validate("surface");
+  }
 }
 
 /// Options of every kind.
@@ -179,11 +194,14 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "dicom-segmentation",
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
     { "study-truth", OfFile("truth.json", ReadStudyTruth) },
+    { "gmsh", OfFile("a.msh", [](const std::string& path) { ReadGmsh(path); }) },
     { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
+    { "obj", OfFile("a.obj", [](const std::string& path) { ToTriangles(ReadObj(path)); }) },
+    { "ply", OfFile("a.ply", [](const std::string& path) { ToTriangles(ReadPly(path)); }) },
     { "printable",
       Refusing(
         [](const std::string& bytes)
@@ -196,6 +214,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "result", OfFile(ResultFileName, ReadResult) },
     { "scene", OfFile("a.json", [](const std::string& path) { ReadScene(path); }) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
+    { "stl", OfFile("a.stl", [](const std::string& path) { ToTriangles(ReadStl(path)); }) },
     { "study", Refusing(ReadExport) },
   };
   return targets;

@@ -110,12 +110,6 @@ TEST(MeshIO, SurfacesComeBackInEveryFormat)
   for (const char* name : { "s.vtp", "s.stl", "s.ply", "s.OBJ" })
   {
     WriteMesh(surface, folder.File(name));
-    if (std::string(name) == "s.vtp")
-    {
-      EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.File(name)); }),
-        testing::HasSubstr("expected a triangle, found 4 points"));
-      continue;
-    }
     const SurfaceMesh read = ReadSurface(folder.File(name));
     EXPECT_THAT(BoundsOf(read), testing::ElementsAre(0, 2, 0, 1, 0, 0)) << name;
     EXPECT_EQ(read.NumberOfTriangles(), 2u) << name;
@@ -289,11 +283,11 @@ TEST(MeshIO, RefusesInOneLine)
   EXPECT_THAT(RefusalOf([&] { ReadMesh(folder.Write("bad.vtu", "not a mesh at all")); }),
     HasSubstr("bad.vtu: expected a mesh"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.stl", "garbage")); }),
-    HasSubstr("bad.stl: expected a mesh"));
+    HasSubstr("bad.stl: expected a mesh in STL"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.glb", "garbage")); }),
     HasSubstr("bad.glb: expected a mesh"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.ply", "garbage")); }),
-    HasSubstr("bad.ply: expected a mesh"));
+    HasSubstr("bad.ply: line 1: expected a mesh in PLY"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("s.xyz", "1 2 3")); }),
     HasSubstr(".vtp, .stl, .ply"));
   const std::string path = folder.File("cut.vtu");

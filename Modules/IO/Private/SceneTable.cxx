@@ -162,7 +162,8 @@ std::vector<SceneRow> SubjectRows()
     Row(Other(Kind::Text, "description", "", "a text for people"), MEMBER(Description)),
     MakeRow(unit, unused, none),
     Row(Other(Kind::File, "mesh", "",
-          "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, "
+          "tetrahedra (.vtu .vtk .msh) or surfaces (.vtp .stl .ply .obj .glb .gltf)\n(cell array "
+          "Material, "
           "or one material; those of the material table)",
           Use::Daily),
       MEMBER(Mesh)),
