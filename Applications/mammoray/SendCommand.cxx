@@ -70,9 +70,10 @@ void Run(SendArguments& arguments)
   }
   const std::vector<std::string> files =
     FindDicomFiles(arguments.Result.empty() ? arguments.Files : ObjectsOf(arguments.Result));
-  const StoredCallback stored = [](const std::string& file)
+  const StoredCallback stored = [](const std::string& file, const std::string& refusal)
   {
-    std::printf("stored %s\n", file.c_str());
+    std::printf("%s %s%s%s\n", refusal.empty() ? "stored" : "refused", file.c_str(),
+      refusal.empty() ? "" : ": ", refusal.c_str());
     std::fflush(stdout);
   };
   if (!arguments.Pacs.empty())

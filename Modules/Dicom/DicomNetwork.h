@@ -62,8 +62,9 @@ struct DicomWebServer
   int TimeoutSeconds = 30;
 };
 
-/// Called with each file that the archive has stored.
-using StoredCallback = std::function<void(const std::string& file)>;
+/// Called with each file that was sent; `refusal`: why the archive has not stored it, empty if it
+/// has.
+using StoredCallback = std::function<void(const std::string& file, const std::string& refusal)>;
 /// Returns true to stop the work.
 using StopRequest = std::function<bool()>;
 
@@ -73,14 +74,15 @@ MAMMORAYDICOM_EXPORT std::vector<std::string> FindDicomFiles(const std::vector<s
 
 /**
  * Stores DICOM files in the archive (C-STORE), in order over one association, without changing
- * their values. Throws InputError before anything is sent if a file is not DICOM, NetworkError with
- * the number of stored files, and Interrupted.
+ * their values. What it refuses does not stop the others, a lost connection does. Throws InputError
+ * before anything is sent if a file is not DICOM; NetworkError with the first refusal and the
+ * number of stored files, unless these are all; and Interrupted.
  */
 MAMMORAYDICOM_EXPORT void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
   const StoredCallback& stored, const StopRequest& stop = {});
 
 /// Stores DICOM files by STOW-RS, one request per file, byte for byte. Throws InputError on an
-/// invalid address, NetworkError with the number of stored files, and Interrupted.
+/// invalid address, otherwise as StoreFiles does.
 MAMMORAYDICOM_EXPORT void StoreFilesOnWeb(const std::vector<std::string>& files,
   const DicomWebServer& server, const StoredCallback& stored, const StopRequest& stop = {});
 

@@ -358,7 +358,20 @@ void GetStudy(Getter& getter, const ArchivedStudy& study, const DicomNode& node)
   }
 }
 
-/// Sends the files and reports each that the archive has stored.
+/// "status 0122h", with a word where the standard has one (PS3.4 table B.2-1).
+std::string RefusalOfStatus(Uint16 status)
+{
+  char text[80];
+  std::snprintf(text, sizeof text, "status %04xh%s", status,
+    status == STATUS_STORE_Refused_SOPClassNotSupported ? ": it does not take this kind of object"
+      : (status & 0xff00) == 0xa700                     ? ": out of resources"
+      : (status & 0xff00) == 0xa900                     ? ": the object is not of its kind"
+      : (status & 0xf000) == 0xc000                     ? ": it does not understand the object"
+                                                        : "");
+  return text;
+}
+
+/// Sends the files and reports each: its path, and after a byte of zero why it is not stored.
 void Store(const std::vector<std::string>& files, const DicomNode& node, const TellCallback& tell)
 {
   std::vector<FileKind> kinds;
@@ -386,25 +399,37 @@ void Store(const std::vector<std::string>& files, const DicomNode& node, const T
   }
   association.Open();
   std::size_t count = 0;
+  std::string refused;
   for (const FileKind& kind : kinds)
   {
     Uint16 status = 0;
     const T_ASC_PresentationContextID context =
       association.findAnyPresentationContextID(kind.SopClass, kind.Syntax);
     const OFCondition sent = context == 0
-      ? OFCondition(DIMSE_NOVALIDPRESENTATIONCONTEXTID)
+      ? EC_Normal
       : association.sendSTORERequest(context, kind.Path.c_str(), nullptr, status);
     // Bxxx: stored, with a remark.
-    if (sent.bad() || (status != STATUS_Success && (status & 0xf000) != 0xb000))
+    const std::string why = context == 0 ? "it does not take this kind of object"
+      : sent.bad()                       ? ReasonOf(sent)
+      : status == STATUS_Success || (status & 0xf000) == 0xb000 ? ""
+                                                                : RefusalOfStatus(status);
+    count += why.empty() ? 1 : 0;
+    refused += !refused.empty() || why.empty() ? "" : kind.Path + " (" + why + ")";
+    tell(kind.Path + '\0' + why);
+    // An object that cannot be sent leaves the connection as it was.
+    const bool isOfObject = sent == DIMSE_NOVALIDPRESENTATIONCONTEXTID || sent == DIMSE_BADDATA ||
+      sent.module() == OFM_dcmdata;
+    if (sent.bad() && !(isOfObject && association.isConnected()))
     {
-      char refused[40];
-      std::snprintf(refused, sizeof refused, "status %04xh", status);
-      throw NetworkError(NameOf(node) + ": expected that it stores " + kind.Path +
-        ", found that it does not (" + (sent.bad() ? ReasonOf(sent) : refused) + "); stored " +
-        std::to_string(count) + " of " + std::to_string(files.size()));
+      break;
     }
-    ++count;
-    tell(kind.Path);
+  }
+  if (count < files.size())
+  {
+    throw NetworkError(NameOf(node) +
+      ": expected that it stores all objects, found that it does "
+      "not: first " +
+      refused + "; stored " + std::to_string(count) + " of " + std::to_string(files.size()));
   }
 }
 
@@ -572,7 +597,8 @@ void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
       // Stops only between two files, so that every stored file has been reported.
       if (!file.empty())
       {
-        stored(file);
+        const auto end = file.find('\0');
+        stored(file.substr(0, end), file.substr(end + 1));
         if (--left > 0)
         {
           checkStop();

@@ -101,7 +101,8 @@ public:
     {
       throw Interrupted();
     }
-    if (result != CURLE_OK)
+    this->Lost = result != CURLE_OK;
+    if (this->Lost)
     {
       return this->Reason[0] != '\0' ? this->Reason : curl_easy_strerror(result);
     }
@@ -110,7 +111,11 @@ public:
     return WhyNotStored(status, answer.Text);
   }
 
+  /// Whether the last object met no answer at all.
+  bool IsLost() const { return this->Lost; }
+
 private:
+  bool Lost = false;
   const DicomWebServer& Server;
   StopRequest Stop;
   std::string Address;
@@ -167,16 +172,26 @@ void StoreFilesOnWeb(const std::vector<std::string>& files, const DicomWebServer
   }
   Session session(server, stop);
   std::size_t count = 0;
+  std::string refused;
   for (const std::string& file : files)
   {
-    if (const std::string reason = session.Store(file); !reason.empty())
+    const std::string why = session.Store(file);
+    count += why.empty() ? 1 : 0;
+    refused += !refused.empty() || why.empty() ? "" : file + " (" + why + ")";
+    if (stored)
     {
-      throw NetworkError("archive " + url + ": expected that it stores " + file +
-        ", found that it does not (" + reason + "); stored " + std::to_string(count) + " of " +
-        std::to_string(files.size()));
+      stored(file, why);
     }
-    ++count;
-    stored(file);
+    if (session.IsLost())
+    {
+      break;
+    }
+  }
+  if (count < files.size())
+  {
+    throw NetworkError("archive " + url +
+      ": expected that it stores all objects, found that it does not: first " + refused +
+      "; stored " + std::to_string(count) + " of " + std::to_string(files.size()));
   }
 }
 }

@@ -64,7 +64,7 @@ protected:
     try
     {
       StoreFilesOnWeb({ this->MammogramPath() }, server,
-        [&](const std::string&) { ++this->Stored; });
+        [&](const std::string&, const std::string& why) { this->Stored += why.empty() ? 1 : 0; });
     }
     catch (const NetworkError& error)
     {
@@ -102,7 +102,11 @@ TEST_F(ArchiveOf, AnArchiveThatIsNotThereIsToldInOneLine)
 {
   const test::LoopbackServer closed({});
   const std::string said = RefusalOf(
-    [&] { StoreFiles({ this->MammogramPath() }, NodeAt(closed.Port), [](const std::string&) {}); });
+    [&]
+    {
+      StoreFiles({ this->MammogramPath() }, NodeAt(closed.Port),
+        [](const std::string&, const std::string&) {});
+    });
   EXPECT_THAT(said, HasSubstr("archive 127.0.0.1:" + std::to_string(closed.Port)));
   EXPECT_THAT(said, HasSubstr("found none"));
   EXPECT_THAT(said, ::testing::Not(HasSubstr("\\x0a")));
@@ -112,9 +116,12 @@ TEST_F(ArchiveOf, AnArchiveThatIsSilentIsNotWaitedForForEver)
 {
   const Peer silent;
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_THAT(
-    RefusalOf([&]
-      { StoreFiles({ this->MammogramPath() }, NodeAt(silent.Port), [](const std::string&) {}); }),
+  EXPECT_THAT(RefusalOf(
+                [&]
+                {
+                  StoreFiles({ this->MammogramPath() }, NodeAt(silent.Port),
+                    [](const std::string&, const std::string&) {});
+                }),
     HasSubstr("within 1 s"));
   EXPECT_THAT(RefusalOf([&] { FindStudies("A-100", NodeAt(silent.Port)); }),
     HasSubstr("within 1 s"));
@@ -149,6 +156,18 @@ TEST_F(ArchiveOf, WhatTheWebDoesNotTakeIsSaid)
     const std::string body = R"({"00081198":{"Value":)" + std::string(odd) + "}}";
     EXPECT_THAT(this->StoreOnWeb(answer("200 OK", body)), HasSubstr("not given"));
   }
+  // What is refused stops no other.
+  const Peer conflicts(answer("409 Conflict", ""));
+  int sent = 0;
+  EXPECT_THAT(RefusalOf(
+                [&]
+                {
+                  StoreFilesOnWeb({ this->MammogramPath(), this->MammogramPath() },
+                    { "http://127.0.0.1:" + std::to_string(conflicts.Port), "", 1 },
+                    [&sent](const std::string&, const std::string&) { ++sent; });
+                }),
+    HasSubstr("stored 0 of 2"));
+  EXPECT_EQ(sent, 2);
   EXPECT_THAT(this->StoreOnWeb(answer("302 Found\r\nLocation: http://127.0.0.2/", "")),
     HasSubstr("status 302"))
     << "what is sent goes nowhere else";

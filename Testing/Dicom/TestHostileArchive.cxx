@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 using mammoray::test::RefusalOf;
 using namespace mammoray;
@@ -187,7 +188,9 @@ protected:
   std::string Send(const DicomNode& node) const
   {
     return RefusalOf(
-      [&] { StoreFiles({ this->MammogramPath() }, node, [](const std::string&) {}); });
+      [&] {
+        StoreFiles({ this->MammogramPath() }, node, [](const std::string&, const std::string&) {});
+      });
   }
 };
 
@@ -215,6 +218,41 @@ TEST_F(HostileArchiveOf, ItsWordsAreUnderstoodAtAll)
       Message(1, true, Command(0x8010, false, 0)));
   EXPECT_EQ(this->Get(gives.Node), test::NotRefused);
   EXPECT_TRUE(std::filesystem::exists(this->Folder.File("got/001/00001.dcm")));
+}
+
+/// A presentation context whose class the archive does not take.
+std::string Rejected(int context)
+{
+  return Item(0x21,
+    BigEndian(static_cast<std::size_t>(context) << 8, 2) + BigEndian(3 << 8, 2) +
+      Item(0x40, ExplicitVr));
+}
+
+TEST_F(HostileArchiveOf, WhatIsRefusedStopsNoOther)
+{
+  // An archive that takes mammograms alone, of which it refuses none.
+  const HostileArchive mammograms(Rejected(1) + Accepted(3, ExplicitVr),
+    Message(3, true, Command(0x8001, false, 0)));
+  const std::vector<std::string> files = FindDicomFiles({ this->MriPath() });
+  ASSERT_GT(files.size(), 1u);
+  std::vector<std::string> told;
+  const StoredCallback tell = [&told](const std::string& file, const std::string& why)
+  { told.push_back(file + (why.empty() ? "" : ": " + why)); };
+  const std::string said = RefusalOf(
+    [&] {
+      StoreFiles({ files[0], this->MammogramPath(), files[1] }, mammograms.Node, tell);
+    });
+  const std::string kind = "it does not take this kind of object";
+  EXPECT_THAT(told,
+    ::testing::ElementsAre(files[0] + ": " + kind, this->MammogramPath(), files[1] + ": " + kind));
+  EXPECT_THAT(said, HasSubstr("first " + files[0] + " (" + kind + "); stored 1 of 3"));
+  // By a status.
+  told.clear();
+  const HostileArchive full(Accepted(1, ExplicitVr),
+    Message(1, true, Command(0x8001, false, 0xa700)));
+  EXPECT_THAT(RefusalOf([&] { StoreFiles({ this->MammogramPath() }, full.Node, tell); }),
+    HasSubstr("(status a700h: out of resources); stored 0 of 1"));
+  EXPECT_EQ(told.size(), 1u);
 }
 
 TEST_F(HostileArchiveOf, SequencesInOneAnotherEndNothing)
