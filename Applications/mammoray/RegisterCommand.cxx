@@ -42,9 +42,10 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
   RegistrationCase& input = arguments.Case;
   CLI::Option* study = add.Input("--study", arguments.Study,
     "a clinic's export, in place of labels, materials and mammograms\n(a folder of MRI and "
-    "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it)");
+    "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it; with "
+    "--labels these are its tissue, corrected, and nothing is segmented)");
   AddSideOption(add, arguments.Side);
-  AddLabelOptions(add, input.Labels)->excludes(study);
+  AddLabelOptions(add, input.Labels);
   add(Shared::Materials, input.Materials);
   add(Shared::Orientation, input.Orientation);
   add(Shared::Mammograms, input.Mammograms)->excludes(study);
@@ -276,10 +277,10 @@ void PrintStudy(const StudyChoice& choice)
   }
 }
 
-void PrintTissue(const StudyTissue& tissue)
+void PrintTissue(const StudyTissue& tissue, bool isGiven)
 {
-  std::printf("breast %.0f cm3 in the MRI, %.0f %% gland, stands out by %.0f mm\n",
-    tissue.BreastCm3, 100 * tissue.GlandFraction, tissue.DepthMm);
+  std::printf("breast %.0f cm3 in the %s, %.0f %% gland, stands out by %.0f mm\n", tissue.BreastCm3,
+    isGiven ? "labels" : "MRI", 100 * tissue.GlandFraction, tissue.DepthMm);
   for (const std::string& warning : tissue.Warnings)
   {
     std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
@@ -350,7 +351,7 @@ void Run(RegisterArguments& arguments)
 
   if (result.Tissue)
   {
-    PrintTissue(*result.Tissue);
+    PrintTissue(*result.Tissue, !input.Labels.Path.empty());
   }
   const std::vector<std::string> folders = MammogramFolders(result);
   for (std::size_t view = 0; view < folders.size(); ++view)

@@ -276,7 +276,7 @@ void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
     viewed.Mechanics.Volume = ReadMaterials(input.Labels, viewed.Materials);
     viewed.Tissue = std::make_shared<const LabelVolume>(*viewed.Mechanics.Volume);
   }
-  else if (const std::string labels = BesideResult(input, "labels.nrrd"); !labels.empty())
+  else if (const std::string labels = BesideResult(input, "labels.seg.nrrd"); !labels.empty())
   {
     viewed.Tissue = std::make_shared<const LabelVolume>(
       viewed.Materials.ToMaterials(ReadLabelVolume(labels), labels));

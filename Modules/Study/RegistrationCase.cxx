@@ -145,7 +145,19 @@ void FreeParametersOf(const RegistrationCase& input, const MaterialTable& materi
 void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
   const std::string& mammogram, View& view)
 {
-  for (const ResultInput& given : InputsOf(input, mammogram))
+  const std::vector<ResultInput> inputs = InputsOf(input, mammogram);
+  const auto hasLabels = [](const std::vector<ResultInput>& entries)
+  {
+    return std::any_of(entries.begin(), entries.end(),
+      [](const ResultInput& entry) { return entry.Role == LabelRole; });
+  };
+  if (hasLabels(inputs) != hasLabels(earlier.Inputs))
+  {
+    throw InputError(input.Resume + ": expected a result " +
+      (hasLabels(inputs) ? "of labels, found one of a segmented MRI"
+                         : "of a segmented MRI, found one of labels"));
+  }
+  for (const ResultInput& given : inputs)
   {
     const auto isOther = [&given](const ResultInput& entry)
     { return entry.Role == given.Role && entry.Sha256 != given.Sha256; };
@@ -281,8 +293,9 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
   {
     return ReadMaterials(input.Labels, result.Materials);
   }
-  result.Tissue = std::make_shared<const StudyTissue>(
-    SegmentStudy(*input.Study, result.Materials, progress, input.Labels.AcceptUnusual));
+  result.Tissue = std::make_shared<const StudyTissue>(input.Labels.Path.empty()
+      ? SegmentStudy(*input.Study, result.Materials, progress, input.Labels.AcceptUnusual)
+      : LabelStudy(*input.Study, input.Labels, result.Materials, progress));
   return result.Tissue->Breast;
 }
 
@@ -319,7 +332,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   const ProgressCallback& whole)
 {
   // What a study's MRI takes of the time before the rest begins as it does with labels.
-  const double segmenting = input.Study ? 0.25 : 0.0;
+  const double segmenting = !input.Study ? 0.0 : input.Labels.Path.empty() ? 0.25 : 0.05;
   RegistrationCaseResult result;
   Stopwatch stopwatch(result.Timings, "read");
   const ProgressCallback progress =

@@ -43,7 +43,8 @@ struct RegisteredScatter
 /// Inputs of a registration, by files, and its options. The members have the defaults.
 struct RegistrationCase
 {
-  /// A clinic's export whose MRI is segmented in place of Labels (TakeStudy). Null: none.
+  /// A clinic's export (TakeStudy). Its MRI is segmented, or Labels, if they have a path, are its
+  /// tissue (LabelStudy). Null: none.
   std::shared_ptr<const StudyChoice> Study;
   /// By default, finer label volumes are resampled to 0.5 mm.
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
@@ -132,7 +133,7 @@ struct RegistrationCaseResult
 {
   MaterialTable Materials;
   AnatomicalAxes Axes;
-  /// Tissue in a study's MRI. Null if labels were given.
+  /// Tissue in a study's MRI. Null without a study.
   std::shared_ptr<const StudyTissue> Tissue;
   /// If the case asks for places: the registered volume, material indices, and the lesions. Null if
   /// they are not needed.
@@ -195,8 +196,8 @@ MAMMORAYSTUDY_EXPORT void CheckResultFolder(const std::string& folder, bool over
  * "Displacement", mm, from the one to the other), synthetic.mha (log attenuation on the mammogram's
  * pixel grid, float), the result file, and the files of WriteRegistrationReport. Several: a folder
  * with these for each (MammogramFolders), the joint result file, and the files of WriteJointReport.
- * A study adds labels.nrrd and mri.nrrd (StudyTissue) and a section of the report. The case's Image
- * becomes mri.nrrd, too.
+ * A study adds labels.seg.nrrd and mri.nrrd (StudyTissue) and a section of the report. The case's
+ * Image becomes mri.nrrd, too.
  *
  * Throws InputError as CheckResultFolder, and if a file cannot be written or an input cannot be
  * read.

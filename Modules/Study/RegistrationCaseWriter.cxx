@@ -232,9 +232,11 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
   JointReport report;
   if (result.Tissue)
   {
-    WriteLabelVolume(result.Tissue->Labels, folder + "/labels.nrrd");
+    WriteLabelVolume(result.Tissue->Labels, folder + "/labels.seg.nrrd");
     WriteIntensityVolume(result.Tissue->Mri, folder + "/mri.nrrd");
-    report.Sections.push_back(StudySection(*input.Study, *result.Tissue));
+    const std::string& labels = input.Labels.Path;
+    report.Sections.push_back(StudySection(*input.Study, *result.Tissue,
+      labels.empty() ? labels : ShownName(labels, input.NameInputs)));
   }
   else if (result.Image)
   {
@@ -366,7 +368,7 @@ bool IsFileOfResult(const std::string& name)
 {
   // All that WriteInto writes.
   static const std::set<std::string> names{ "uncompressed.vtu", "compressed.vtu", "synthetic.mha",
-    "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png", "difference.png",
+    "labels.seg.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png", "difference.png",
     "convergence.svg", "report.html", ResultFileName };
   return names.count(name) > 0;
 }

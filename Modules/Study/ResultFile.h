@@ -24,6 +24,8 @@ inline constexpr int ResultFormatVersion = 5;
 
 /// Roles by which inputs are looked up.
 inline constexpr const char* MammogramRole = "Mammogram";
+/// Of a study, too, whose MRI was segmented if there is none.
+inline constexpr const char* LabelRole = "Label volume";
 inline constexpr const char* MaterialTableRole = "Material table";
 
 /// One parameter of the search: its bounds and its value, in its unit.

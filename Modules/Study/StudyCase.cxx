@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/StudyCase.h"
 
+#include "Private/StudyTissues.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/LabelSource.h"
@@ -13,12 +15,82 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 namespace mammoray
 {
+namespace
+{
+/// The end of the grid's axis that leads backwards most; DICOM LPS.
+std::string PosteriorSide(const VolumeGrid& grid)
+{
+  const std::size_t depth = grid.AxisAlong({ 0, 1, 0 });
+  return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
+}
+
+/// Distance from the front of fixed tissue to that of the rest, mm: all but the hundredth part of
+/// the columns along the patient's depth have less.
+double DepthOf(const LabelVolume& breast, const std::vector<bool>& fixed)
+{
+  const std::size_t axis = breast.AxisAlong({ 0, 1, 0 });
+  const double forwards =
+    breast.Direction[axis][1] > 0 ? -breast.Spacing[axis] : breast.Spacing[axis];
+  const std::size_t across = (axis + 1) % 3;
+  const std::size_t along = (axis + 2) % 3;
+  std::vector<std::array<Extent, 2>> columns(
+    static_cast<std::size_t>(breast.Size[across]) * breast.Size[along]);
+  breast.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (const std::uint16_t material = breast.Voxels[voxel]; material != 0)
+      {
+        const std::array<int, 3> at{ i, j, k };
+        const std::size_t row = static_cast<std::size_t>(at[along]) * breast.Size[across];
+        columns[row + at[across]][fixed[material] ? 1 : 0].Add(forwards * at[axis]);
+      }
+    });
+  std::vector<double> depths{ 0 };
+  for (const auto& [rest, wall] : columns)
+  {
+    if (rest.Length() >= 0)
+    {
+      depths.push_back(std::max(0.0, rest.High - (wall.Length() >= 0 ? wall.High : rest.Low)));
+    }
+  }
+  return QuantileElement(std::move(depths), 0.99);
+}
+}
+
+StudyTissue MakeStudyTissue(LabelVolume&& materials, IntensityVolume&& mri,
+  const MaterialTable& table)
+{
+  StudyTissue tissue;
+  tissue.Labels = std::move(materials);
+  tissue.Mri = std::move(mri);
+  for (std::size_t index = 1; index < table.Materials.size(); ++index)
+  {
+    tissue.Labels.Names[static_cast<int>(index)] = table.Materials[index].Name;
+  }
+  const std::vector<bool> fixed = table.Fixed();
+  tissue.Breast = KeepBreast(tissue.Labels, fixed, AnatomicalAxes());
+  // Beside the breast, in front of the chest wall, the plates push what was cut before them.
+  tissue.Cut = CutTissue(tissue.Labels, tissue.Labels, table, { PosteriorSide(tissue.Labels) });
+  const std::vector<int> gland = table.Glandular();
+  double glandCm3 = 0;
+  for (const auto& [material, count] : tissue.Breast.CountLabels())
+  {
+    const double cm3 = static_cast<double>(count) * tissue.Breast.VoxelVolume() / 1000;
+    tissue.BreastCm3 += material != 0 && !fixed[material] ? cm3 : 0;
+    glandCm3 += std::find(gland.begin(), gland.end(), material) != gland.end() ? cm3 : 0;
+  }
+  tissue.GlandFraction = glandCm3 / std::max(tissue.BreastCm3, 1e-9);
+  tissue.DepthMm = DepthOf(tissue.Breast, fixed);
+  return tissue;
+}
+
 #ifdef MAMMORAY_HAS_SEGMENTATION
 namespace
 {
@@ -33,32 +105,10 @@ BreastSide SideToSegment(const StudySeries& series, char laterality)
   return laterality == 'L' ? BreastSide::Left : BreastSide::Right;
 }
 
-/// The end of the grid's axis that leads backwards most; DICOM LPS.
-std::string PosteriorSide(const VolumeGrid& grid)
-{
-  const std::size_t depth = grid.AxisAlong({ 0, 1, 0 });
-  return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
-}
-
 StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
 {
-  StudyTissue tissue;
-  tissue.Labels = std::move(found.Labels);
-  tissue.Mri = std::move(found.Corrected);
-  const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
-  const std::vector<bool> fixed = table.Fixed();
-  tissue.Breast = KeepBreast(all, fixed, AnatomicalAxes());
-  // Beside the breast, in front of the chest wall, the plates push what was cut before them.
-  tissue.Cut = CutTissue(all, all, table, { PosteriorSide(all) });
-  const std::vector<int> gland = table.Glandular();
-  double glandCm3 = 0;
-  for (const auto& [material, count] : tissue.Breast.CountLabels())
-  {
-    const double cm3 = static_cast<double>(count) * tissue.Breast.VoxelVolume() / 1000;
-    tissue.BreastCm3 += material != 0 && !fixed[material] ? cm3 : 0;
-    glandCm3 += std::find(gland.begin(), gland.end(), material) != gland.end() ? cm3 : 0;
-  }
-  tissue.GlandFraction = glandCm3 / std::max(tissue.BreastCm3, 1e-9);
+  StudyTissue tissue = MakeStudyTissue(table.ToMaterials(found.Labels, "the study's MRI"),
+    std::move(found.Corrected), table);
   tissue.DepthMm = found.Measures.DepthMm;
   tissue.Warnings = std::move(found.Warnings);
   return tissue;
@@ -176,7 +226,8 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   input.Study = std::make_shared<const StudyChoice>(std::move(choice));
 }
 
-ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue)
+ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue,
+  const std::string& labels)
 {
   ReportSection section;
   section.Title = "The patient's files";
@@ -203,13 +254,22 @@ ReportSection StudySection(const StudyChoice& choice, const StudyTissue& tissue)
     !choice.Position                               ? "not stated: taken as without weight"
       : *choice.Position == PatientPosition::Prone ? "prone"
                                                    : "supine");
+  section.Rows.emplace_back("Tissue",
+    labels.empty() ? "segmented in the MRI" : "labels that were given: " + labels);
   section.Rows.emplace_back("Breast in the MRI", NumberText(tissue.BreastCm3, 0) + " cm3");
   section.Rows.emplace_back("Gland in it", NumberText(100 * tissue.GlandFraction, 0) + " %");
   section.Rows.emplace_back("Stands out by", NumberText(tissue.DepthMm, 0) + " mm");
-  section.Picture = DrawLabelSlices(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
-    FindMaterialTable(StudyMaterials).Names());
-  section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "
-                    "everywhere: look at it first.";
+  std::vector<std::string> names;
+  for (const auto& [material, name] : tissue.Labels.Names)
+  {
+    names.resize(static_cast<std::size_t>(material) + 1);
+    names.back() = name;
+  }
+  section.Picture =
+    DrawLabelSlices(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"), names);
+  section.Caption = labels.empty() ? "The breast as it was found in the MRI."
+                                   : "The tissue of the labels, over the MRI.";
+  section.Caption += " What is coloured wrong here is wrong everywhere: look at it first.";
   section.Notes = choice.Warnings;
   section.Notes.insert(section.Notes.end(), tissue.Warnings.begin(), tissue.Warnings.end());
   return section;

@@ -28,9 +28,10 @@ inline constexpr double StudyRollSigmaDeg = 5.0;
 /// Tissue in a study's MRI, DICOM LPS.
 struct StudyTissue
 {
-  /// Labels of StudyMaterials, of the side that is registered.
+  /// Material indices with the materials' names, of the side that is registered.
   LabelVolume Labels;
-  /// The MRI on the same grid after bias correction, fat is 1. Without fat suppression if possible.
+  /// The MRI on the same grid, fat is 1, after bias correction if it was segmented. Without fat
+  /// suppression if possible.
   IntensityVolume Mri;
   /// What is registered: the breast and the chest wall behind it, without the body beside them
   /// (KeepBreast). Material indices.
@@ -66,10 +67,23 @@ MAMMORAYSTUDY_EXPORT void TakeStudy(const std::string& folder, std::optional<cha
 MAMMORAYSTUDY_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
   const ProgressCallback& progress = {}, bool acceptUnusual = false);
 
+/**
+ * Takes the tissue of a study from labels (ReadMaterials), made of its MRI and corrected, instead
+ * of a segmentation. Their grid may be another one and cover a part of the MRI only; of two breasts
+ * the registered one is kept.
+ *
+ * Throws InputError, one line, unless the labels' frame is that of the MRI, DICOM LPS: where it is
+ * another one, their tissue lies outside the MRI, on the other side of it, or the MRI is not
+ * brighter behind their skin than before it. LabelSource::AcceptUnusual takes labels all the same.
+ */
+MAMMORAYSTUDY_EXPORT StudyTissue LabelStudy(const StudyChoice& choice, const LabelSource& labels,
+  const MaterialTable& table, const ProgressCallback& progress = {});
+
 /// The report's section on a study: what was taken and what was left out, and why; the tissue with
-/// a picture (DrawLabelSlices); the warnings of both.
+/// a picture (DrawLabelSlices), and the name of the `labels` that it is of, if it was not
+/// segmented; the warnings of both.
 MAMMORAYSTUDY_EXPORT ReportSection StudySection(const StudyChoice& choice,
-  const StudyTissue& tissue);
+  const StudyTissue& tissue, const std::string& labels = "");
 }
 
 #endif

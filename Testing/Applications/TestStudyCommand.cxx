@@ -38,7 +38,6 @@ TEST_F(StudyCommand, AnExportTakesThePlaceOfLabelsAndMammograms)
   std::ofstream(this->Folder.File("a.nrrd")) << "labels";
   std::ofstream(this->Folder.File("b.dcm")) << "pixels";
   EXPECT_EQ(this->Run("register" + labels + mammogram + output), 2);
-  EXPECT_EQ(this->Run("register --study a" + labels + output), 2);
   EXPECT_EQ(this->Run("register --study a" + mammogram + output), 2);
   EXPECT_EQ(this->Run("register --study a --side up" + output), 2);
   this->ExpectRefused("register --study nowhere" + output, "found nothing there");
@@ -125,11 +124,11 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   EXPECT_THAT(this->Output, HasSubstr("MLO taken"));
   EXPECT_THAT(this->Output, HasSubstr("cm3 in the MRI"));
   for (const char* name :
-    { "labels.nrrd", "mri.nrrd", "report.html", "cc/compressed.vtu", "mlo/compressed.vtu" })
+    { "labels.seg.nrrd", "mri.nrrd", "report.html", "cc/compressed.vtu", "mlo/compressed.vtu" })
   {
     EXPECT_TRUE(fs::exists(result + "/" + name)) << name;
   }
-  EXPECT_EQ(ReadLabelFile(result + "/labels.nrrd").Size,
+  EXPECT_EQ(ReadLabelFile(result + "/labels.seg.nrrd").Size,
     ReadIntensityFile(result + "/mri.nrrd").Size);
   const nlohmann::json cc = nlohmann::json::parse(ReadFile(result + "/cc/result.json"));
   EXPECT_EQ(cc.at("inputs").at(0).at("role"), "MRI without fat suppression");

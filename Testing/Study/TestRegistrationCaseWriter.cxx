@@ -226,15 +226,19 @@ TEST_F(WrittenCase, OfAStudyHoldsItsTissueAndTellsOfIt)
   this->Input.Study = std::make_shared<StudyChoice>(study);
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
-  EXPECT_EQ(ReadLabelVolume(folder + "/labels.nrrd").Voxels, tissue->Labels.Voxels);
+  EXPECT_EQ(ReadLabelVolume(folder + "/labels.seg.nrrd").Voxels, tissue->Labels.Voxels);
   EXPECT_EQ(ReadIntensityVolume(folder + "/mri.nrrd").Voxels, tissue->Mri.Voxels);
   const ResultFile result = ReadResultFile(folder);
   EXPECT_EQ(result.Inputs.front().Role, "MRI without fat suppression");
+  // Labels beside the study are its tissue.
+  EXPECT_EQ(result.Inputs[1].Role, "Label volume");
+  EXPECT_EQ(result.Inputs[1].File, "*.nrrd");
   EXPECT_EQ(result.Inputs.front().File, "t1 <tse>");
   EXPECT_EQ(result.Inputs.front().Sha256, Sha256OfFile(this->Input.Labels.Path));
   EXPECT_THAT(result.Warnings, ElementsAre("Something had to be assumed.", "The wall is ragged."));
   const std::string report = test::ReadFile(folder + "/report.html");
   EXPECT_THAT(report, HasSubstr("MRI: t1 &lt;tse&gt;"));
+  EXPECT_THAT(report, HasSubstr("labels that were given: *.nrrd"));
   // Once.
   EXPECT_EQ(report.find("The wall is ragged."), report.rfind("The wall is ragged."));
   EXPECT_NE(report.find("The wall is ragged."), std::string::npos);

@@ -21,7 +21,7 @@ std::string Whole(double value)
 
 std::string PathOfTissue(const RegistrationCase& input)
 {
-  return input.Study ? std::string("the study's MRI") : input.Labels.Path;
+  return input.Labels.Path.empty() ? std::string("the study's MRI") : input.Labels.Path;
 }
 
 /// Whether a direction along an oblique view's receptor leads to the head and to the middle of the

@@ -90,9 +90,10 @@ std::vector<ResultInput> InputsOf(const RegistrationCase& input, const std::stri
       }
     }
   }
-  else
+  add(LabelRole, input.Labels.Path);
+  if (const std::string names = LabelDescriptionOf(input.Labels.Path); IsLabelDescription(names))
   {
-    add("Label volume", input.Labels.Path);
+    add("Names of labels", names);
   }
   add(MaterialTableRole, FindMaterialTablePath(input.Materials));
   add(MammogramRole, mammogram);
