@@ -137,6 +137,28 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   EXPECT_THAT(report,
     testing::AnyOf(HasSubstr("The patient&#39;s files"), HasSubstr("The patient's files")));
 
+  // With labels, nothing is segmented and everything else is the study's.
+  const std::string again = this->Folder.File("again");
+  const std::string labelled = "register --study " + study + "/export --side left --labels " +
+    result +
+    "/labels.seg.nrrd --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 6 "
+    "--iterations 1 -o " +
+    again;
+  ASSERT_EQ(this->Run(labelled), 0) << this->Errors;
+  EXPECT_THAT(this->Output, HasSubstr("MLO taken"));
+  EXPECT_THAT(this->Output, HasSubstr("cm3 in the labels"));
+  EXPECT_EQ(ReadLabelFile(again + "/labels.seg.nrrd").Voxels,
+    ReadLabelFile(result + "/labels.seg.nrrd").Voxels);
+  const nlohmann::json told = nlohmann::json::parse(ReadFile(again + "/cc/result.json"));
+  EXPECT_EQ(told.at("inputs").at(2).at("role"), LabelRole);
+  EXPECT_THAT(ReadFile(again + "/report.html"), HasSubstr("labels that were given: *.nrrd"));
+  ASSERT_EQ(this->Run(labelled + " --print-config"), 0) << this->Errors;
+  const nlohmann::json config = nlohmann::json::parse(this->Output);
+  EXPECT_EQ(config.at("labels"), result + "/labels.seg.nrrd");
+  EXPECT_EQ(config.at("study"), study + "/export");
+  this->ExpectRefusedAfterListing(labelled + " --overwrite --resume " + result,
+    "expected a result of labels, found one of a segmented MRI");
+
   // Mechanics, mesh, stiffness, tilt and pictures are not those of the truth; neither are they as
   // fine as for a patient, for whom 3 mm are aimed at.
   const StudyTruth truth = ReadStudyTruth(study + "/truth.json");
