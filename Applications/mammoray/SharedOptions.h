@@ -66,7 +66,10 @@ inline const SharedOption Scene{ "--scene",
 inline const SharedOption SimulationMesh{ "--simulation-mesh",
   "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)",
   FileTypeName };
-inline const SharedOption Spectrum{ "--spectrum", "spectrum: .spc or a shipped one's name",
+inline const SharedOption Spectrum{ "--spectrum",
+  "spectrum: a file or a shipped one's name\n(.spc: eV and photons per mm2 and keV up to the next "
+  "energy, the last one negative; other extensions: two columns in eV, keV or MeV and photons, "
+  "header lines, comma, semicolon or blanks)",
   InputTypeName };
 
 /// Texts: AnatomicalAxes::FromCode, and MATERIAL=FILE each.

@@ -63,8 +63,9 @@ public:
 
   ///@{
   /**
-   * Path of a spectrum (.spc) or the name of a shipped one. Default "W28kVp_Rh50um_Be1mm".
-   * SpectrumFile, the path of a spectrum, takes precedence as MaterialTableFile does.
+   * Path of a spectrum (see IO's ReadSpectrum) or the name of a shipped one. Default
+   * "W28kVp_Rh50um_Be1mm". SpectrumFile, the path of a spectrum, takes precedence as
+   * MaterialTableFile does.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);

@@ -198,8 +198,8 @@ public:
 
   ///@{
   /**
-   * Path of a spectrum (.spc) or the name of a shipped one. Default empty: the photons of
-   * SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, takes precedence.
+   * Path of a spectrum (see IO's ReadSpectrum) or the name of a shipped one. Default empty: the
+   * photons of SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, takes precedence.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);

@@ -2,11 +2,16 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/Private/SpectrumIO.h"
 #include "mammoray/IO/ShippedData.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
 
 using mammoray::test::RefusalOf;
 using namespace mammoray;
@@ -28,6 +33,93 @@ TEST(SpectrumIO, EachValueStandsForTheIntervalUpToTheNextEnergy)
   EXPECT_EQ(spectrum.Name, "two");
   EXPECT_THAT(spectrum.EnergiesKeV, testing::ElementsAre(10, 12));
   EXPECT_THAT(spectrum.Weights, testing::ElementsAre(10, 7));
+}
+
+/// The spectrum of a text, its energies and photons "10:5 12:7", and what was noted.
+std::string ReadText(const std::string& text, std::vector<std::string>* said = nullptr)
+{
+  const TemporaryFolder folder;
+  NoteKeeper notes;
+  const Spectrum spectrum = ReadSpectrum(folder.Write("s.txt", text));
+  std::string read;
+  for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
+  {
+    read += (read.empty() ? "" : " ") + NumberText(spectrum.EnergiesKeV[bin]) + ':' +
+      NumberText(spectrum.Weights[bin]);
+  }
+  if (said)
+  {
+    *said = notes.Lines;
+  }
+  return read;
+}
+
+TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
+{
+  const char* const same[] = {
+    "Energy [keV] (bin centre), photons\n10,5\n11,7\n12,1\n",
+    "\xef\xbb\xbf"
+    "E / keV;N;centre\r\n10,0;5,0\r\n11,0;7,0\r\n12,0;1,0\r\n",
+    "# energies in keV, centres of bins\n10 5\n11\t7 // the line\n\n 12.0  1e0\n",
+    "28 kVp W\n50\nE(MeV) at centre\tfluence\n0.010\t5\n0.011\t7\n0.012\t1\n",
+    "centre_eV,N\n\"10000\",\"5\"\n\"11000\",\"7\"\n\"12000\",\"1\"\n",
+    "keV centre\n12 1\n11 7\n10 5\n",
+    "keV centre\n10,0 5,0\n11,0 7,0\n12,0 1,0\n",
+    "from, to [keV], N\n9.5, 10.5, 5\n10.5, 11.5, 7\n11.5, 12.5, 1\n",
+    "lower edge (keV), N\n9.5, 5\n10.5, 7\n11.5, 1\n",
+    "keV\n9.5 5\n10.5 7\n11.5 1\n12.5\n", // the last edge alone
+    "keV\n9.5 5\n10.5 7\n11.5 1\n12.5 -1\n",
+  };
+  for (const char* const text : same)
+  {
+    std::vector<std::string> said;
+    EXPECT_EQ(ReadText(text, &said), "10:5 11:7 12:1") << text;
+    EXPECT_THAT(said, testing::IsEmpty()) << text;
+  }
+  // An edge may be 0. Densities count with the width of their bin.
+  EXPECT_EQ(ReadText("keV\n0 0\n10 4\n20 2\n40 0\n"), "5:0 15:4 30:2");
+  EXPECT_EQ(ReadText("centre keV, N per keV\n10 4\n20 2\n40 1\n"), "10:40 20:30 40:20");
+  EXPECT_EQ(ReadText("keV centre\n59.54 1\n"), "59.54:1");
+}
+
+TEST(SpectrumIO, WhatIsInferredIsSaid)
+{
+  for (const auto& [text, unit, keV] :
+    { std::tuple{ "10000 5\n28000 7\n", "eV (up to 28000)", "10:5 28:7" },
+      { "10 5\n28 7\n", "keV (up to 28)", "10:5 28:7" },
+      { "0.1 5\n0.45 7\n", "MeV (up to 0.45)", "100:5 450:7" } })
+  {
+    std::vector<std::string> said;
+    EXPECT_EQ(ReadText(text, &said), keV);
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_THAT(said[0], testing::HasSubstr("s.txt: takes energies as " + std::string(unit)));
+    EXPECT_THAT(said[0], testing::HasSubstr("values as photons of bins around their energies"));
+  }
+}
+
+TEST(SpectrumIO, OtherTablesAreRefusedByLine)
+{
+  const auto refusal = [](const std::string& text) { return RefusalOf([&] { ReadText(text); }); };
+  EXPECT_THAT(refusal("keV\n10 1 2 3\n"), testing::HasSubstr("line 2: expected an energy"));
+  EXPECT_THAT(refusal("10 1\n11 x\n"), testing::HasSubstr("line 2: expected an energy"));
+  EXPECT_THAT(refusal("10 1\n10 2\n"), testing::HasSubstr("line 2: expected a positive energy"));
+  EXPECT_THAT(refusal("10 nan\n11 1\n"), testing::HasSubstr("expected a number of photons"));
+  EXPECT_THAT(refusal("1 2 3\n3 4 1\n"), testing::HasSubstr("line 2: expected an energy"));
+  EXPECT_THAT(refusal("E (keV), N\n10000, 1\n28000, 2\n"),
+    testing::HasSubstr("found energies up to 28000 eV, although the titles name another unit"));
+  EXPECT_THAT(refusal("E (MeV)\n1 2\n6 3\n"), testing::HasSubstr("another unit"));
+  EXPECT_THAT(refusal("10000000 1\n"), testing::HasSubstr("up to 1e+07 eV"));
+  EXPECT_THAT(refusal("\xff\xfe"
+                      "1"),
+    testing::HasSubstr("found UTF-16"));
+  EXPECT_THAT(refusal("energy, photons\n"), testing::HasSubstr("found none"));
+  EXPECT_THAT(refusal("0 3\n"), testing::HasSubstr("at least two edges"));
+  EXPECT_THAT(refusal("0 -1\n"), testing::HasSubstr("at least two edges"));
+  EXPECT_THAT(refusal("0 0\n10\n"), testing::HasSubstr("photons"));
+  // Our own form in another unit.
+  const TemporaryFolder folder;
+  EXPECT_THAT(SpectrumRefusal(folder.Write("k.spc", "10 1\n28 -1\n")),
+    testing::HasSubstr("expected energies in eV, found none above 28"));
 }
 
 TEST(SpectrumIO, ResponsesAreLinesOfEnergyAndSignal)

@@ -196,7 +196,10 @@ std::vector<SceneRow> BeamRows()
     Use::Daily);
   tube.Words = { "W", "Mo", "Rh" };
   return {
-    Row(Other(Kind::FileOrName, "beam.spectrum", "", "spectrum: .spc or a shipped one's name",
+    Row(Other(Kind::FileOrName, "beam.spectrum", "",
+          "spectrum: a file or a shipped one's name\n(.spc: eV and photons per mm2 and keV up to "
+          "the next energy, the last one negative; other extensions: two columns in eV, keV or MeV "
+          "and photons, header lines, comma, semicolon or blanks)",
           Use::Expert),
       MEMBER(Spectrum)),
     Row(

@@ -2,87 +2,238 @@
 #include "Private/SpectrumIO.h"
 
 #include "Private/InputFile.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ShippedData.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <sstream>
+#include <regex>
+#include <utility>
 #include <vector>
 
 namespace mammoray
 {
 namespace
 {
-/// A line of two numbers.
-struct EnergyLine
+/// A table of an energy and a value per line, as programs and people write it.
+struct EnergyTable
 {
-  double Energy = 0;
-  double Value = 0;
-  std::string EnergyText;
-  std::string ValueText;
-  /// "path: line n".
-  std::string Name;
+  /// Numbers of a line.
+  struct Row
+  {
+    std::vector<double> Numbers;
+    std::size_t Line = 0;
+  };
+  std::string Path;
+  /// Lines before the first row, and what follows '#' and "//"; in lower case.
+  std::string Titles;
+  std::string Comments;
+  std::vector<Row> Rows;
+
+  std::string NameOf(const Row& row) const { return LineName(this->Path, row.Line); }
 };
 
-/// visit(line) for each line that is not empty, as long as it answers true; numbers are parted by
-/// blanks or a comma, `#` begins a comment. Throws InputError, which says what is `expected`, on
-/// lines of another form.
-template <typename Visit>
-void ForEachEnergyLine(const std::string& path, const char* expected, const Visit& visit)
+/// The cells of a line. They are parted by semicolons, otherwise by tabs, commas or blanks; commas
+/// are decimal ones between semicolons, and where each of two cells has one.
+std::vector<std::string> CellsOf(const std::string& line)
 {
+  const auto split = [&line](const char* separators)
+  {
+    std::vector<std::string> cells;
+    std::size_t at = 0;
+    while ((at = line.find_first_not_of(separators, at)) != std::string::npos)
+    {
+      const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
+      cells.push_back(line.substr(at, end - at));
+      at = end;
+    }
+    return cells;
+  };
+  const auto withPoints = [](std::vector<std::string> cells)
+  {
+    for (std::string& cell : cells)
+    {
+      std::replace(cell.begin(), cell.end(), ',', '.');
+    }
+    return cells;
+  };
+  if (line.find(';') != std::string::npos)
+  {
+    return withPoints(split("; \t\""));
+  }
+  const std::vector<std::string> byBlanks = split(" \t\"");
+  const auto hasComma = [](const std::string& cell)
+  { return std::count(cell.begin() + 1, cell.end() - 1, ',') == 1; };
+  const bool isDecimal = byBlanks.size() == 2 &&
+    std::all_of(byBlanks.begin(), byBlanks.end(),
+      [&](const std::string& cell) { return cell.size() > 2 && hasComma(cell); });
+  return isDecimal ? withPoints(byBlanks) : split(", \t\"");
+}
+
+/// All numbers of a line. Empty if one of its cells is none.
+std::vector<double> NumbersOf(const std::vector<std::string>& cells)
+{
+  std::vector<double> numbers;
+  for (const std::string& cell : cells)
+  {
+    double number = 0;
+    if (!ToPaddedNumber(cell, number))
+    {
+      return {};
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+/// `expected`: what a line holds, for messages. Reads up to a row with a negative second number.
+EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
+{
+  EnergyTable table;
+  table.Path = path;
   std::ifstream file = OpenText(path);
   std::string text;
-  for (std::size_t number = 1; ReadLine(file, text); ++number)
+  for (std::size_t line = 1; ReadLine(file, text); ++line)
   {
-    text.erase(std::min(text.find('#'), text.size()));
-    std::replace(text.begin(), text.end(), ',', ' ');
-    std::istringstream words(text);
-    EnergyLine line;
-    std::string rest;
-    if (!(words >> line.EnergyText))
+    if (line == 1 && text.starts_with("\xef\xbb\xbf"))
     {
+      text.erase(0, 3);
+    }
+    if (line == 1 && (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")))
+    {
+      throw InputError(path + ": expected text in UTF-8 or ASCII, found UTF-16");
+    }
+    const auto comment = std::min(text.find('#'), text.find("//"));
+    if (comment != std::string::npos)
+    {
+      table.Comments += text.substr(comment) + '\n';
+      text.erase(comment);
+    }
+    const std::vector<std::string> cells = CellsOf(text);
+    std::vector<double> numbers = NumbersOf(cells);
+    // A number alone may be the count of rows before them, and an edge after them.
+    const bool isHeader = table.Rows.empty() && numbers.size() < 2;
+    if (isHeader || cells.empty())
+    {
+      table.Titles += table.Rows.empty() ? text + '\n' : "";
       continue;
     }
-    line.Name = LineName(path, number);
-    if (!(words >> line.ValueText) || (words >> rest) || !ToNumber(line.EnergyText, line.Energy) ||
-      !ToNumber(line.ValueText, line.Value))
+    if (numbers.empty())
     {
-      throw InputError(line.Name + ": expected " + expected);
+      throw InputError(LineName(path, line) + ": expected " + expected);
     }
-    if (!visit(line))
+    table.Rows.push_back({ std::move(numbers), line });
+    const std::vector<double>& row = table.Rows.back().Numbers;
+    if (row.size() == 2 && row[1] < 0)
     {
-      return;
+      break;
     }
+  }
+  for (std::string* const said : { &table.Titles, &table.Comments })
+  {
+    std::transform(said->begin(), said->end(), said->begin(),
+      [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  }
+  if (table.Rows.empty())
+  {
+    throw InputError(path + ": expected lines of " + expected + ", found none");
+  }
+  return table;
+}
+
+/// A unit of energy, in keV.
+struct EnergyUnit
+{
+  const char* Name;
+  double KeV;
+};
+constexpr EnergyUnit EnergyUnits[] = { { "eV", 1e-3 }, { "keV", 1 }, { "MeV", 1e3 } };
+
+/// Whether a text in lower case names a unit.
+bool NamesUnit(const std::string& text, const EnergyUnit& unit)
+{
+  std::string name = unit.Name;
+  name.front() = static_cast<char>(std::tolower(name.front()));
+  return std::regex_search(text,
+    std::regex("(?:^|[^a-z])" + name.substr(0, name.size() - 1) + "v(?![a-z])"));
+}
+
+bool NamesAnyUnit(const std::string& text)
+{
+  return std::any_of(std::begin(EnergyUnits), std::end(EnergyUnits),
+    [&text](const EnergyUnit& unit) { return NamesUnit(text, unit); });
+}
+
+/// Whether values are told to be densities in energy, after the title of the energies: "E/keV,
+/// N/keV", "E [keV]; photons per keV".
+bool NamesDensity(const std::string& titles)
+{
+  static const std::regex unit("[km]?ev(?![a-z])");
+  static const std::regex density("(?:/|per) ?\\(? ?[km]?ev(?![a-z])|[km]?ev ?\\^? ?-1");
+  std::smatch first;
+  return std::regex_search(titles, first, unit) &&
+    std::regex_search(first.suffix().first, titles.end(), density);
+}
+
+bool NamesCentres(const std::string& text)
+{
+  return std::regex_search(text, std::regex("cent(?:er|re)|mid"));
+}
+
+bool NamesEdges(const std::string& text)
+{
+  return std::regex_search(text,
+    std::regex("edges|(?:bin|lower|left|low|energy)[ _-]?edge|lower|(?:^|[^a-z])e_?min"));
+}
+
+/// Edges of bins, keV, one more than values.
+struct Bins
+{
+  std::vector<double> Edges;
+  std::vector<double> Values;
+};
+
+/// Throws InputError, which names the row, unless its energy is above the one before.
+void CheckAscending(const EnergyTable& table, double least)
+{
+  double before = least;
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    if (!(row.Numbers[0] > before) || !std::isfinite(row.Numbers[0]))
+    {
+      throw InputError(table.NameOf(row) +
+        ": expected a positive energy above the one before, found " + NumberText(row.Numbers[0]));
+    }
+    before = row.Numbers[0];
   }
 }
 
-bool IsAbove(double energy, const std::vector<double>& before)
-{
-  return energy > 0 && std::isfinite(energy) && (before.empty() || energy > before.back());
-}
-}
-
-Spectrum ReadSpectrum(const std::string& path)
+/// Of our own form, .spc: eV and photons per keV up to the next energy; a negative value ends them.
+Spectrum OwnSpectrum(const EnergyTable& table)
 {
   Spectrum spectrum;
-  spectrum.Name = std::filesystem::path(path).stem().string();
+  CheckAscending(table, 0);
   std::vector<double> density;
-  ForEachEnergyLine(path, "an energy (eV) and a number of photons",
-    [&](const EnergyLine& line)
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    if (row.Numbers.size() != 2)
     {
-      if (!IsAbove(line.Energy * 1e-3, spectrum.EnergiesKeV))
-      {
-        throw InputError(line.Name + ": expected a positive energy above the one before, found " +
-          line.EnergyText + " eV");
-      }
-      spectrum.EnergiesKeV.push_back(line.Energy * 1e-3);
-      density.push_back(line.Value);
-      return !(line.Value < 0);
-    });
+      throw InputError(table.NameOf(row) + ": expected an energy (eV) and a number of photons");
+    }
+    spectrum.EnergiesKeV.push_back(row.Numbers[0] * 1e-3);
+    density.push_back(row.Numbers[1]);
+  }
   if (density.size() < 2 || !(density.back() < 0))
   {
-    throw InputError(path + ": expected a list of photons that ends with a negative value");
+    throw InputError(table.Path + ": expected a list of photons that ends with a negative value");
+  }
+  if (spectrum.EnergiesKeV.back() < 1)
+  {
+    throw InputError(table.Path + ": expected energies in eV, found none above " +
+      NumberText(table.Rows.back().Numbers[0]) +
+      ": a table in another unit has another extension, such as .txt");
   }
   for (std::size_t bin = 0; bin + 1 < density.size(); ++bin)
   {
@@ -90,32 +241,224 @@ Spectrum ReadSpectrum(const std::string& path)
       density[bin] * (spectrum.EnergiesKeV[bin + 1] - spectrum.EnergiesKeV[bin]));
   }
   spectrum.EnergiesKeV.pop_back();
+  return spectrum;
+}
+
+/// Bins of lines "from, to, photons", which follow each other.
+Bins BinsOfEdges(const EnergyTable& table)
+{
+  Bins bins;
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    const std::vector<double>& numbers = row.Numbers;
+    const bool follows =
+      bins.Edges.empty() || std::abs(numbers[0] - bins.Edges.back()) <= 1e-6 * numbers[1];
+    if (numbers.size() != 3 || !(numbers[1] > numbers[0]) || !follows)
+    {
+      throw InputError(table.NameOf(row) +
+        ": expected an energy and a number of photons, or both edges of a bin, which begins where "
+        "the one before ends, and its photons");
+    }
+    if (bins.Edges.empty())
+    {
+      bins.Edges.push_back(numbers[0]);
+    }
+    bins.Edges.push_back(numbers[1]);
+    bins.Values.push_back(numbers[2]);
+  }
+  return bins;
+}
+
+/// Bins of lines "from, photons". A last edge may stand alone or with no photons; without it the
+/// last bin is as wide as the one before.
+Bins BinsOfLowerEdges(const EnergyTable& table)
+{
+  Bins bins;
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    bins.Edges.push_back(row.Numbers[0]);
+    bins.Values.push_back(row.Numbers.size() > 1 ? row.Numbers[1] : 0);
+  }
+  if (!(bins.Values.back() > 0))
+  {
+    bins.Values.pop_back();
+  }
+  else
+  {
+    bins.Edges.push_back(2 * bins.Edges.back() - bins.Edges[bins.Edges.size() - 2]);
+  }
+  if (bins.Values.empty())
+  {
+    throw InputError(table.Path + ": expected photons, found none");
+  }
+  return bins;
+}
+
+/// Bins that meet half-way between the energies of lines "centre, photons".
+Bins BinsOfCentres(const EnergyTable& table)
+{
+  Bins bins;
+  const std::vector<EnergyTable::Row>& rows = table.Rows;
+  const auto energy = [&rows](std::size_t row) { return rows[row].Numbers[0]; };
+  bins.Edges.push_back(1.5 * energy(0) - 0.5 * energy(1));
+  for (std::size_t row = 0; row < rows.size(); ++row)
+  {
+    const bool isLast = row + 1 == rows.size();
+    bins.Edges.push_back(
+      isLast ? 1.5 * energy(row) - 0.5 * energy(row - 1) : 0.5 * (energy(row) + energy(row + 1)));
+    bins.Values.push_back(rows[row].Numbers[1]);
+  }
+  return bins;
+}
+
+/// Throws InputError unless the rows hold an energy and photons each, or both edges and photons; a
+/// last edge may stand alone. `isEnded`: the last number of photons is negative.
+void CheckRows(const EnergyTable& table, bool isEnded)
+{
+  const std::size_t columns = table.Rows.front().Numbers.size();
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    const bool isLast = &row == &table.Rows.back();
+    const std::vector<double>& numbers = row.Numbers;
+    const bool isWhole = numbers.size() == columns && (columns == 2 || columns == 3);
+    if (!isWhole && !(isLast && columns == 2 && numbers.size() == 1))
+    {
+      throw InputError(table.NameOf(row) +
+        ": expected an energy and a number of photons, or both edges of a bin and its photons, "
+        "found " +
+        std::to_string(numbers.size()) + " number(s)");
+    }
+    const bool isPhotons = numbers.size() == 1 || numbers.back() >= 0 || (isLast && isEnded);
+    if (!isPhotons || !std::isfinite(numbers.back()))
+    {
+      throw InputError(
+        table.NameOf(row) + ": expected a number of photons, found " + NumberText(numbers.back()));
+    }
+  }
+}
+
+/// A table of other programs, in its own unit; and what had to be inferred of it, for a note.
+Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
+{
+  std::vector<EnergyTable::Row>& rows = table.Rows;
+  const bool isEnded = rows.back().Numbers.size() == 2 && rows.back().Numbers[1] < 0;
+  CheckRows(table, isEnded);
+  if (rows.front().Numbers[0] > rows.back().Numbers[0])
+  {
+    std::reverse(rows.begin(), rows.end());
+  }
+  CheckAscending(table, -1e-300); // an edge may be 0
+  const std::string said = table.Titles + table.Comments;
+  const bool threeColumns = rows.front().Numbers.size() == 3;
+  const bool saysCentres = NamesCentres(said);
+  const bool areEdges = isEnded || rows.back().Numbers.size() == 1 ||
+    rows.front().Numbers[0] <= 0 || (NamesEdges(said) && !saysCentres);
+  if (areEdges && !threeColumns && rows.size() < 2)
+  {
+    throw InputError(table.Path + ": expected at least two edges of bins, found one");
+  }
+  Spectrum spectrum;
+  if (!areEdges && !threeColumns && rows.size() == 1)
+  {
+    spectrum.EnergiesKeV = { rows.front().Numbers[0] };
+    spectrum.Weights = { rows.front().Numbers[1] };
+    return spectrum;
+  }
+  const Bins bins = threeColumns ? BinsOfEdges(table)
+    : areEdges                   ? BinsOfLowerEdges(table)
+                                 : BinsOfCentres(table);
+  if (!threeColumns && !areEdges && !saysCentres)
+  {
+    inferred = "values as photons of bins around their energies";
+  }
+  // Counts are those of a bin, whatever its width, unless the header says otherwise.
+  const bool areDensities = isEnded || NamesDensity(table.Titles);
+  for (std::size_t bin = 0; bin < bins.Values.size(); ++bin)
+  {
+    const double low = bins.Edges[bin];
+    const double high = bins.Edges[bin + 1];
+    spectrum.EnergiesKeV.push_back(
+      threeColumns || areEdges ? 0.5 * (low + high) : rows[bin].Numbers[0]);
+    spectrum.Weights.push_back(bins.Values[bin] * (areDensities ? high - low : 1));
+  }
+  return spectrum;
+}
+
+/// Turns energies into keV. Their size tells the unit, since spectra end between 2 keV and 2 MeV;
+/// what the titles of the columns name must be the same.
+void ToKeV(const EnergyTable& table, Spectrum& spectrum, std::string& inferred)
+{
+  constexpr double LowestEnd = 2;
+  constexpr double HighestEnd = 2000;
+  const double last = spectrum.EnergiesKeV.back();
+  const EnergyUnit& unit = EnergyUnits[last > HighestEnd ? 0 : last > LowestEnd ? 1 : 2];
+  const bool isNamed = NamesUnit(table.Titles + table.Comments, unit);
+  const std::string found = NumberText(last);
+  const bool isOther = !isNamed && NamesAnyUnit(table.Titles);
+  if (isOther || last * unit.KeV > HighestEnd || last * unit.KeV < LowestEnd)
+  {
+    throw InputError(table.Path +
+      ": expected a spectrum that ends between 2 keV and 2 MeV, found energies up to " + found +
+      ' ' + unit.Name + (isOther ? ", although the titles name another unit" : ""));
+  }
+  for (double& energy : spectrum.EnergiesKeV)
+  {
+    energy *= unit.KeV;
+  }
+  if (!isNamed)
+  {
+    inferred = std::string("energies as ") + unit.Name + " (up to " + found + ")" +
+      (inferred.empty() ? "" : " and ") + inferred;
+  }
+}
+}
+
+Spectrum ReadSpectrum(const std::string& path)
+{
+  const EnergyTable table = ReadEnergyTable(path, "an energy and a number of photons");
+  Spectrum spectrum;
+  if (ExtensionOf(path) == ".spc")
+  {
+    spectrum = OwnSpectrum(table);
+  }
+  else
+  {
+    std::string inferred;
+    spectrum = OtherSpectrum(table, inferred);
+    ToKeV(table, spectrum, inferred);
+    if (!inferred.empty())
+    {
+      Note(path + ": takes " + inferred +
+        "; a header line that names the unit (eV, keV, MeV) and "
+        "'centre' or 'edge' settles it");
+    }
+  }
+  spectrum.Name = std::filesystem::path(path).stem().string();
   spectrum.Validate();
   return spectrum;
 }
 
 DetectorResponse ReadDetectorResponse(const std::string& path)
 {
+  const EnergyTable table = ReadEnergyTable(path, "an energy (keV) and a signal");
+  const double unit = NamesUnit(table.Titles, EnergyUnits[0]) ? 1e-3
+    : NamesUnit(table.Titles, EnergyUnits[2])                 ? 1e3
+                                                              : 1;
   DetectorResponse response;
   response.ByEnergy = false;
-  ForEachEnergyLine(path, "an energy (keV) and a signal",
-    [&](const EnergyLine& line)
-    {
-      if (!IsAbove(line.Energy, response.EnergiesKeV) || !(line.Value >= 0) ||
-        !std::isfinite(line.Value))
-      {
-        throw InputError(line.Name +
-          ": expected a positive energy above the one before and a signal that is not negative, "
-          "found " +
-          line.EnergyText + " keV, " + line.ValueText);
-      }
-      response.EnergiesKeV.push_back(line.Energy);
-      response.Efficiency.push_back(line.Value);
-      return true;
-    });
-  if (response.EnergiesKeV.empty())
+  for (const EnergyTable::Row& row : table.Rows)
   {
-    throw InputError(path + ": expected lines of an energy (keV) and a signal, found none");
+    const std::vector<double>& numbers = row.Numbers;
+    const double before = response.EnergiesKeV.empty() ? 0 : response.EnergiesKeV.back();
+    const double energy = numbers[0] * unit;
+    if (numbers.size() != 2 || !(energy > before) || !std::isfinite(energy) || !(numbers[1] >= 0) ||
+      !std::isfinite(numbers[1]))
+    {
+      throw InputError(table.NameOf(row) +
+        ": expected a positive energy above the one before and a signal that is not negative");
+    }
+    response.EnergiesKeV.push_back(energy);
+    response.Efficiency.push_back(numbers[1]);
   }
   return response;
 }

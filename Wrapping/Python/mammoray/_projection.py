@@ -363,7 +363,7 @@ def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike
         alone is a linear attenuation, 1/mm, a word the name of an attenuation
     source: position, 3 values; or a ParallelBeam
     detector: a Detector, or a dict of its fields
-    spectrum: an energy, keV; name ("W28kVp_Rh50um_Be1mm") or file (.spc) of a spectrum; or energies (keV, ascending) and photons
+    spectrum: an energy, keV; name ("W28kVp_Rh50um_Be1mm") or file (.spc or a table of two columns) of a spectrum; or energies (keV, ascending) and photons
     photon_counting: whether the detector counts photons instead of adding up their energy
     focal_spot: its edges along the detector's columns and rows; focal_spot_samples^2 points stand for it
     photons_per_pixel: mean number that meets a pixel without the object, which gives quantum noise from `seed`; 0: none
