@@ -79,11 +79,11 @@ def main():
             breast += ["--" + parameter["name"].replace("_", "-"), f"{parameter['value']:.6g}"]
 
     project(*breast, "-o", work / "primary.mha")
-    project(*breast, "--unit", "realistic", "-o", work / "unit.mha")
-    project(*breast, "--unit", "realistic", "--display", "-o", work / "shown.mha")
+    project(*breast, "--realistic", "-o", work / "unit.mha")
+    project(*breast, "--realistic", "--display", "-o", work / "shown.mha")
     save(docs / "unit.png", [("primary radiation", image_of(work / "primary.mha"), (0, 1)),
-                             ("--unit realistic", image_of(work / "unit.mha"), (0, 1)),
-                             ("--unit realistic --display", image_of(work / "shown.mha"), (0, 1)),
+                             ("--realistic", image_of(work / "unit.mha"), (0, 1)),
+                             ("--realistic --display", image_of(work / "shown.mha"), (0, 1)),
                              ("the FDA's mammogram of it", pyplot.imread(docs / "demo" / "real.png"), (0, 1))])
 
     fibre = vtk.vtkCylinderSource()
@@ -111,7 +111,7 @@ def main():
     figure.tight_layout()
     figure.savefig(docs / "fibre.png", dpi=100)
 
-    project(*breast, "--tomosynthesis", 9, "--span", 50, "--unit", "realistic", "-o", work / "sweep.mha")
+    project(*breast, "--tomosynthesis", 9, "--span", 50, "--realistic", "-o", work / "sweep.mha")
     sweep = -numpy.log(numpy.maximum(image_of(work / "sweep.mha"), 1e-4))
     save(docs / "sweep.png", [(title, sweep[number], (0.3, numpy.percentile(sweep[number], 99.5)))
                               for number, title in ((0, "-25 degrees"), (4, "0 degrees"), (8, "25 degrees"))])

@@ -47,6 +47,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   MeshCase& input = arguments.Case;
   AddLabelOptions(add, input.Labels);
   CLI::Option* surface = add(Shared::Surface, arguments.Surfaces);
+  AddUnitOption(add, input.SurfaceUnit);
   add("--surface-voxels", input.SurfaceVoxelsMm, Positive("mm"),
     "for surfaces that cut each other: mesh cubic voxels labelled by them\n(overlapping pieces of "
     "a "

@@ -16,6 +16,7 @@
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OverlapMeasure.h"
+#include "mammoray/XRay/Shadow.h"
 #include "mammoray/XRay/Tube.h"
 
 #include "vtkImageData.h"
@@ -248,6 +249,21 @@ struct ProjectionJob
   const SurfaceMesh& Surface;
   Scene Standing;
 
+  /// What is wrong with a picture, or nothing. Between explicit source and detector a part is meant
+  /// to be seen whole; a breast never is.
+  std::string WarningOf(const Scene& scene, const Exposure& exposure) const
+  {
+    const std::string holes = exposure.Lengths->InconsistencyWarning();
+    const SceneDescription& given = this->Arguments.Scene;
+    if (!holes.empty())
+    {
+      return holes;
+    }
+    const std::string shadow = ShadowWarning(scene, exposure,
+      !given.Samples.empty() && given.HasSource() && given.HasDetector());
+    return shadow + (shadow.ends_with("?") ? " (--unit)" : "");
+  }
+
   /// The `number`-th of a series from elsewhere, with noise of its own.
   Exposure Take(Scene& scene, int number, const ProgressCallback& progress) const
   {
@@ -287,7 +303,7 @@ std::string RunOne(const ProjectionJob& job, std::optional<Mammogram> mammogram,
   {
     WriteProjection(ToDeflectionImage(exposure, detector), arguments.Deflection);
   }
-  return exposure.Lengths->InconsistencyWarning();
+  return job.WarningOf(scene, exposure);
 }
 
 /// Writes two exposures and their recombination. Gives a warning, or nothing.
@@ -319,7 +335,7 @@ std::string RunDualEnergy(const ProjectionJob& job, const ProgressCallback& prog
   std::printf("%s, mean %.1f keV, less %.4f times the first: %s and %s of %g mm look the same\n",
     high.XRays.Name.c_str(), high.XRays.MeanEnergyKeV(), weight, pair[0].c_str(), pair[1].c_str(),
     arguments.DualEnergy.ThicknessMm);
-  return atLow.Lengths->InconsistencyWarning();
+  return job.WarningOf(low, atLow);
 }
 
 /// The middle of a box around the surface.
@@ -352,7 +368,7 @@ std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSe
     scene.Detector = view.Detector;
     const Exposure exposure =
       job.Take(scene, number, ShareOf(progress, begin, 0.2 + 0.6 * (number + 1) / count));
-    const std::string found = exposure.Lengths->InconsistencyWarning();
+    const std::string found = job.WarningOf(scene, exposure);
     if (warning.empty() && !found.empty())
     {
       warning = "projection " + std::to_string(number) + ": " + found;

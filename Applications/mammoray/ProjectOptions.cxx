@@ -27,6 +27,7 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
   AddQuantities(add, "mesh", arguments.Given);
   add(Shared::Surface, arguments.Given.Surfaces);
+  AddUnitOption(add, arguments.Given.Unit);
   AddQuantities(add, "materials", arguments.Given);
   add(Shared::Scene, arguments.Given.File);
   add("--set", arguments.Given.Sets,
@@ -62,8 +63,8 @@ void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
 {
   const OptionList unit = add.Group("Detector");
-  unit.Word("--unit", arguments.UnitKind, { "plain", "realistic" },
-    "realistic: with noise, blur, heel and scatter\n(what is not asked for otherwise is that of a "
+  unit.Flag("--realistic", arguments.IsRealistic,
+    "with noise, blur, heel and scatter\n(what is not asked for otherwise is that of a "
     "modern unit: tungsten tube of 29 kV with 0.05 mm Rh, heel and inverse square, scatter of 17 "
     "mm of air behind a grid of lead 5:1 with 31 lines per cm and fibre, half modulation 5 per mm, "
     "noise of 2e7 photons per mm2, 5 photons of the detector's own)");
@@ -98,7 +99,7 @@ void ApplyRealisticUnit(SceneDescription& scene)
   {
     if (!scene.Has(key))
     {
-      SetQuantity({ "--unit realistic", key, { value } }, scene);
+      SetQuantity({ "--realistic", key, { value } }, scene);
     }
   };
   if (!scene.Has("beam.kev") && !scene.Has("beam.spectrum") && !scene.Has("beam.tube"))
@@ -140,7 +141,7 @@ void CompleteScene(ProjectArguments& arguments)
 {
   arguments.Scene = ReadSceneArguments(arguments.Given);
   SceneDescription& scene = arguments.Scene;
-  if (arguments.UnitKind == "realistic")
+  if (arguments.IsRealistic)
   {
     ApplyRealisticUnit(scene);
   }

@@ -40,8 +40,7 @@ struct ProjectArguments
   SeriesArguments Series;
   std::optional<char> Laterality;
   std::string View;
-  /// "plain" or "realistic".
-  std::string UnitKind = "plain";
+  bool IsRealistic = false;
   bool Display = false;
   bool ForProcessing = false;
   DicomPatient Patient;
@@ -56,7 +55,7 @@ struct ProjectArguments
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments);
 
-/// Brings the scene's file, the options and --unit realistic into arguments.Scene. Throws
+/// Brings the scene's file, the options and --realistic into arguments.Scene. Throws
 /// InputError.
 void CompleteScene(ProjectArguments& arguments);
 

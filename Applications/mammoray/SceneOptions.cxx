@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -23,7 +24,8 @@ std::string TypeName(const SceneQuantity& quantity)
                                                  : "TEXT";
 }
 
-std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
+std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces,
+  const std::string& unit)
 {
   std::vector<SurfaceSample> samples;
   for (const std::string& text : surfaces)
@@ -32,6 +34,7 @@ std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
     SurfaceSample sample;
     std::tie(sample.Material, sample.File) = SplitAssignment(text, "--surface", "MATERIAL=FILE");
     sample.Name = "--surface " + text;
+    sample.UnitMm = unit.empty() ? std::optional<double>() : LengthUnitMm(unit);
     samples.push_back(std::move(sample));
   }
   return samples;
@@ -127,10 +130,14 @@ SceneDescription ReadSceneArguments(const SceneArguments& arguments)
     {
       throw InputError("--surface: expected no samples in " + arguments.File + ", found some");
     }
-    scene.Samples = ToSamples(arguments.Surfaces);
+    scene.Samples = ToSamples(arguments.Surfaces, arguments.Unit);
   }
   if (!scene.Mesh.empty())
   {
+    if (!arguments.Unit.empty())
+    {
+      SetQuantity({ "--unit", "mesh-unit", { arguments.Unit } }, scene);
+    }
     CheckInputFile(scene.Mesh);
   }
   for (const SurfaceSample& sample : scene.Samples)

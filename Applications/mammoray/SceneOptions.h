@@ -16,6 +16,8 @@ struct SceneArguments
   std::string File;
   /// MATERIAL=FILE each, in place of samples or a mesh.
   std::vector<std::string> Surfaces;
+  /// Unit of these files and of the mesh's; empty: that of their formats.
+  std::string Unit;
   /// Of the options that quantities have.
   std::vector<SceneSetting> Settings;
   /// KEY=VALUE each, of --set.

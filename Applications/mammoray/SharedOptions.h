@@ -98,6 +98,14 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 /// Adds --side left|right: 'L' or 'R', the patient's own; nothing: not given. Gives the option.
 CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side);
 
+/// Adds --unit of the files of --surface and --mesh.
+template <typename T>
+void AddUnitOption(const OptionList& add, T& unit)
+{
+  add.Expert().Word("--unit", unit, { "um", "mm", "cm", "m", "in" },
+    "unit of the numbers in the files of --surface and --mesh\n(default: mm, of glTF m)");
+}
+
 /// Adds --view of mammograms, one or a list.
 template <typename T>
 void AddViewOption(const OptionList& add, T& view)

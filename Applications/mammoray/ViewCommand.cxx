@@ -44,6 +44,7 @@ void DeclareInput(const OptionList& add, ViewArguments& arguments)
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
   what(Shared::Surface, arguments.Surfaces.Surfaces);
   what(Shared::Scene, arguments.Surfaces.File);
+  AddUnitOption(add, arguments.Surfaces.Unit);
   add(Shared::Mammograms, input.Mammograms);
   add(Shared::Image, input.Image);
   add(Shared::Lesion, input.Lesions);

@@ -10,6 +10,7 @@
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Exposer.h"
+#include "mammoray/XRay/Shadow.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -436,6 +437,10 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
   if (this->NumberOfInconsistentPixels > 0)
   {
     vtkWarningMacro(<< exposure.Lengths->InconsistencyWarning());
+  }
+  else if (const std::string warning = ShadowWarning(scene, exposure); !warning.empty())
+  {
+    vtkWarningMacro(<< warning);
   }
 }
 

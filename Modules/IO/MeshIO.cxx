@@ -536,8 +536,20 @@ SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* mater
   return std::move(read.Mesh);
 }
 
-double NativeUnitMm(const std::string& path)
+void ScaleSurface(const std::string& path, const std::optional<double>& unitMm,
+  const std::string& who, SurfaceMesh& surface)
 {
-  return IsGltf(path) ? GltfUnitMm : 1;
+  const double scale = unitMm ? *unitMm / (IsGltf(path) ? GltfUnitMm : 1) : 1;
+  constexpr double mostMm = 1e6;
+  for (double& coordinate : surface.Points)
+  {
+    coordinate *= scale;
+    if (!(std::abs(coordinate) <= mostMm))
+    {
+      throw InputError(who + ": expected a surface within " + NumberText(mostMm) +
+        " mm of the origin, found a coordinate of " + NumberText(coordinate) +
+        " mm; is the file's unit right?");
+    }
+  }
 }
 }

@@ -7,6 +7,7 @@
 
 #include "vtkSmartPointer.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,11 @@ MAMMORAYIO_EXPORT bool IsVolumeMesh(const std::string& path);
 MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
   std::vector<std::string>* materialNames = nullptr);
 
-/// Returns the unit in which ReadSurface takes the numbers of a file of this name, mm.
-MAMMORAYIO_EXPORT double NativeUnitMm(const std::string& path);
+/// Turns what ReadSurface made of a file into mm, where the file's numbers have another unit than
+/// its format says. Throws InputError, which begins with `who`, on a surface that reaches farther
+/// than a kilometre.
+MAMMORAYIO_EXPORT void ScaleSurface(const std::string& path, const std::optional<double>& unitMm,
+  const std::string& who, SurfaceMesh& surface);
 }
 
 #endif

@@ -31,7 +31,7 @@ struct LengthUnit
   std::string Text(double mm) const { return NumberText(mm / this->ToMm(1)) + " " + this->Name; }
 };
 constexpr LengthUnit LengthUnits[] = { { "um", 1, 1000 }, { "mm", 1, 1 }, { "cm", 10, 1 },
-  { "m", 1000, 1 } };
+  { "m", 1000, 1 }, { "in", 254, 10 } };
 constexpr LengthUnit Millimetre = LengthUnits[1];
 constexpr double MostAngleDeg = 3600;
 
@@ -167,7 +167,7 @@ std::optional<LengthUnit> UnitOf(const JsonObject& entry)
     [&](const LengthUnit& unit) { return *named == unit.Name; });
   if (found == std::end(LengthUnits))
   {
-    entry.Refuse("unit", R"(one of "um", "mm", "cm", "m")");
+    entry.Refuse("unit", R"(one of "um", "mm", "cm", "m", "in")");
   }
   return *found;
 }
@@ -395,6 +395,18 @@ void SceneDescription::Validate() const
   {
     throw InputError("response: expected a table or a scintillator, found both");
   }
+}
+
+double LengthUnitMm(const std::string& name)
+{
+  for (const LengthUnit& unit : LengthUnits)
+  {
+    if (name == unit.Name)
+    {
+      return unit.ToMm(1);
+    }
+  }
+  throw InputError("unit: expected um, mm, cm, m or in, found '" + name + "'");
 }
 
 void SetQuantity(const SceneSetting& setting, SceneDescription& description)

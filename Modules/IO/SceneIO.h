@@ -40,6 +40,8 @@ struct MAMMORAYIO_EXPORT SceneDescription
   std::string Description;
   /// A mesh of the materials of a table, or samples.
   std::string Mesh;
+  /// Unit of its numbers, as LengthUnitMm has it. Empty: that of its format.
+  std::string MeshUnit;
   std::vector<SurfaceSample> Samples;
   /// Material table: a path or the name of a shipped one.
   std::string Materials;
@@ -83,6 +85,9 @@ struct MAMMORAYIO_EXPORT SceneDescription
   /// Throws InputError where quantities contradict each other.
   void Validate() const;
 };
+
+/// A unit of length in mm, by its name: um, mm, cm, m or in. Throws InputError on another.
+MAMMORAYIO_EXPORT double LengthUnitMm(const std::string& name);
 
 /// What is declared of a key of scene files.
 struct SceneQuantity

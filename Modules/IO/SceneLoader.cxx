@@ -59,22 +59,6 @@ int MaterialFor(const SurfaceSample& sample, MaterialTable& table)
   return static_cast<int>(table.Materials.size()) - 1;
 }
 
-/// From the file's unit to mm. Throws InputError where the surface then reaches too far.
-void Scale(const SurfaceSample& sample, SurfaceMesh& part)
-{
-  const double scale = sample.UnitMm ? *sample.UnitMm / NativeUnitMm(sample.File) : 1;
-  for (double& coordinate : part.Points)
-  {
-    coordinate *= scale;
-    if (!(std::abs(coordinate) <= MostCoordinateMm))
-    {
-      throw InputError(sample.Name + ": expected a surface within " + NumberText(MostCoordinateMm) +
-        " mm of the origin, found a coordinate of " + NumberText(coordinate) +
-        " mm; is the file's unit right?");
-    }
-  }
-}
-
 /// Adds the sample, and its material where the table has none of it.
 void AddSample(const SurfaceSample& sample, Scene& scene)
 {
@@ -89,7 +73,7 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
         ": expected a surface of one material, found several, as of a mesh with a table",
       { "File", sample.File, { "Mesh" } });
   }
-  Scale(sample, *part);
+  ScaleSurface(sample.File, sample.UnitMm, sample.Name, *part);
   placed.Surface = std::move(part);
   placed.Rotation =
     (sample.RotationDeg * std::numbers::pi / 180 / Norm(sample.RotationAxis)) * sample.RotationAxis;
@@ -127,12 +111,16 @@ void TakeOrder(const MaterialTable& table, SurfaceMesh& surface, std::vector<std
 }
 
 /// The interfaces of a mesh's file, whose materials are those of the scene's table.
-void AddMesh(const std::string& path, Scene& scene)
+void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
 {
   std::vector<std::string> names;
   auto surface = std::make_shared<SurfaceMesh>(IsVolumeMesh(path)
       ? ExtractInterfaces(FromGrid(ReadMesh(path), &names))
       : ReadSurface(path, &names));
+  if (!unit.empty())
+  {
+    ScaleSurface(path, LengthUnitMm(unit), path, *surface);
+  }
   TakeOrder(scene.Materials, *surface, names);
   scene.Materials.CheckMesh(*surface, names, path);
   scene.Samples.push_back({ std::move(surface) });
@@ -209,7 +197,7 @@ Scene LoadScene(const SceneDescription& description)
   scene.Response = ResponseOf(description);
   if (!description.Mesh.empty())
   {
-    AddMesh(description.Mesh, scene);
+    AddMesh(description.Mesh, description.MeshUnit, scene);
   }
   for (const SurfaceSample& sample : description.Samples)
   {

@@ -3,6 +3,7 @@
 
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/SurfaceMesher.h"
@@ -77,7 +78,12 @@ SurfaceMesh ReadSurfaces(const MeshCase& input, const MaterialTable& table)
   SurfaceMesh all;
   for (const auto& [name, path] : input.Surfaces)
   {
-    AppendBoundary(ReadSurface(path), table.IndexOf(name), all);
+    SurfaceMesh surface = ReadSurface(path);
+    if (!input.SurfaceUnit.empty())
+    {
+      ScaleSurface(path, LengthUnitMm(input.SurfaceUnit), path, surface);
+    }
+    AppendBoundary(surface, table.IndexOf(name), all);
   }
   return all;
 }

@@ -26,6 +26,8 @@ struct MeshCase
   LabelSource Labels;
   /// Material and file of closed surfaces (ReadSurface), each a boundary of its material.
   std::vector<std::pair<std::string, std::string>> Surfaces;
+  /// Unit of these files' numbers, as LengthUnitMm has it. Empty: that of their formats.
+  std::string SurfaceUnit;
   /// Edge of cubic voxels that the surfaces label and that are then meshed, mm, positive. Absent:
   /// the surfaces, which must not cut each other, are filled.
   std::optional<double> SurfaceVoxelsMm;

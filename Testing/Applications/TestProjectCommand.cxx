@@ -315,8 +315,7 @@ TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)
     GTEST_SKIP() << "no Vulkan device";
   }
   ASSERT_EQ(
-    this->Run(options + picture + " --unit realistic --display --dose --set scatter.photons=1e5"),
-    0)
+    this->Run(options + picture + " --realistic --display --dose --set scatter.photons=1e5"), 0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("W 29 kVp, 0.05 mm Rh"));
   EXPECT_THAT(this->Output, testing::HasSubstr("22.0 mm above the detector; "));

@@ -182,7 +182,7 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
       continue; // that of a sample is there
     }
     const std::string last = quantity.Key.substr(quantity.Key.rfind('.') + 1);
-    const bool isOther = quantity.Key == "mesh" || last == "kev" || last == "spectrum" ||
+    const bool isOther = quantity.Key.starts_with("mesh") || last == "kev" || last == "spectrum" ||
       last == "beam-direction" || last == "response-table";
     EXPECT_EQ(written.find('"' + last + '"') == std::string::npos, isOther) << quantity.Key;
   }
@@ -243,8 +243,8 @@ TEST(SceneIO, RefusesByPlace)
     const char* By;
     const char* Text;
   } wrong[] = {
-    { "\"um\"", "\"inch\"", R"(unit: expected one of "um", "mm", "cm", "m", found "inch")" },
-    { "\"cm\"", "10", R"(samples[0].unit: expected one of "um", "mm", "cm", "m", found 10)" },
+    { "\"um\"", "\"inch\"", R"(unit: expected one of "um", "mm", "cm", "m", "in", found "inch")" },
+    { "\"cm\"", "10", R"(samples[0].unit: expected one of "um", "mm", "cm", "m", "in", found 10)" },
     { "\"columns\"", "\"colums\"", "detector: unknown key 'colums', expected origin, " },
     { "\"angle\"", "\"angel\"", "samples[0].rotation: unknown key 'angel'" },
     { "-500000", "null",
@@ -372,6 +372,8 @@ TEST(SceneIO, RefusesSamplesByName)
       density, 5e-3)
       << material;
   }
+  const SceneDescription mesh{ .Mesh = sample.File, .MeshUnit = "in", .Materials = "victre" };
+  EXPECT_NEAR(Bounds(*Assemble(LoadScene(mesh)))[2].High, 1016, 1e-9);
   sample.Material = "Al";
   sample.UnitMm = 1e6;
   EXPECT_THAT(refusal(),

@@ -138,6 +138,16 @@ with warnings.catch_warnings(record=True) as told:
 assert not leak.consistency.any() and len(told) == 1 and "holes" in str(told[0].message)
 assert os.path.basename(told[0].filename) == "testProject.py", "the caller's line"
 
+# What nothing is seen of is told, with its reason.
+for expected, points, regions, source in (("are all regions 0?", POINTS, numpy.zeros(12), (0, 0, 400)), ("behind the source", POINTS, None, (0, 0, 5)),
+                                          ("behind the detector", POINTS - [0, 0, 50], None, (0, 0, 400)),
+                                          ("mm wide: a file in metres?", POINTS / 1000 + [0.2, 0.2, 0], None, (0, 0, 400))):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        nothing = mammoray.project(points, TRIANGLES, regions, **{**SCENE, "source": source})
+    assert (nothing.transmission == 1).all() and len(told) == 1, (expected, told)
+    assert "the picture is empty" in str(told[0].message) and expected in str(told[0].message), told[0].message
+
 refused("points: expected n x 3 values, found 8 x 2", POINTS[:, :2], TRIANGLES)
 refused("points[2, 1]: expected a finite number", numpy.where(numpy.arange(24).reshape(8, 3) == 7, numpy.nan, POINTS), TRIANGLES)
 refused("points: expected numbers", POINTS.astype(str), TRIANGLES)

@@ -5,6 +5,7 @@
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Shadow.h"
 
 #include <mex.h>
 
@@ -459,6 +460,10 @@ void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray*
   if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
   {
     mexWarnMsgIdAndTxt("mammoray:open", "%s", warning.c_str());
+  }
+  else if (const std::string empty = ShadowWarning(scene, exposure); !empty.empty())
+  {
+    mexWarnMsgIdAndTxt("mammoray:empty", "%s", empty.c_str());
   }
 }
 }

@@ -10,6 +10,7 @@
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Shadow.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -80,7 +81,7 @@ Scene MakeScene(const std::vector<double>& energies, const std::vector<double>& 
 }
 
 /// What _projection.Projection is made of.
-py::dict ToDict(const Exposure& exposure)
+py::dict ToDict(const Scene& scene, const Exposure& exposure)
 {
   const PathLengthImage& lengths = *exposure.Lengths;
   py::dict result;
@@ -89,7 +90,8 @@ py::dict ToDict(const Exposure& exposure)
   result["path_lengths"] =
     ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
   result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
-  result["warning"] = lengths.InconsistencyWarning();
+  const std::string holes = lengths.InconsistencyWarning();
+  result["warning"] = holes.empty() ? ShadowWarning(scene, exposure) : holes;
   if (!exposure.Deflection.empty())
   {
     result["deflection"] = ToArray(exposure.Deflection, { 2, lengths.Rows, lengths.Columns });
@@ -149,7 +151,7 @@ public:
       const py::gil_scoped_release released;
       exposure = this->Device.Expose(scene, GoesOn);
     }
-    py::dict result = ToDict(exposure);
+    py::dict result = ToDict(scene, exposure);
     if (velocities)
     {
       this->AddDerivatives(scene, *velocities, result);
@@ -227,7 +229,7 @@ py::dict ProjectScene(const std::string& path, const std::string& method, const 
     exposure =
       Exposer({ .Projection = MethodFromName(method), .Device = device }).Expose(scene, GoesOn);
   }
-  py::dict result = ToDict(exposure);
+  py::dict result = ToDict(scene, exposure);
   result["names"] = scene.Materials.Names();
   return result;
 }

@@ -157,7 +157,10 @@ std::vector<SceneRow> SubjectRows()
   const auto unused = [](SceneDescription&, const Json&) {};
   const auto none = [](const SceneDescription&) { return Json(); };
   SceneQuantity unit = Other(Kind::Word, "unit", "", "of all lengths in the scene; default mm");
-  unit.Words = { "um", "mm", "cm", "m" };
+  unit.Words = { "um", "mm", "cm", "m", "in" };
+  SceneQuantity meshUnit =
+    Other(Kind::Word, "mesh-unit", "", "of the mesh's numbers; default mm, of glTF m");
+  meshUnit.Words = unit.Words;
   return {
     Row(Other(Kind::Text, "description", "", "a text for people"), MEMBER(Description)),
     MakeRow(unit, unused, none),
@@ -167,6 +170,7 @@ std::vector<SceneRow> SubjectRows()
           "or one material; those of the material table)",
           Use::Daily),
       MEMBER(Mesh)),
+    Row(meshUnit, MEMBER(MeshUnit)),
     Row(Other(Kind::FileOrName, "materials", "",
           "material table: .json or a shipped one's name (victre, segment, ...)", Use::Daily),
       MEMBER(Materials)),

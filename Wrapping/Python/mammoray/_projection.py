@@ -376,7 +376,7 @@ def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike
     device: part of the wanted Vulkan device's name
 
     Gives a Projection. Raises InputError on unusable arrays, DeviceError where no Vulkan device can, each in one line; warns
-    (RuntimeWarning) of a mesh that leaks. Sends each X-ray by ray tracing or rasterisation and applies the Beer-Lambert law:
+    (RuntimeWarning) of a mesh that leaks and of an empty picture. Sends each X-ray by ray tracing or rasterisation and applies the Beer-Lambert law:
     I / I0 = sum_E w_E exp(-sum_m mu_m(E) L_m). For several images of one mesh use a Projector, which keeps it on the device.
     """
     return Projector(points, triangles, regions, method=method, device=device)._project(
