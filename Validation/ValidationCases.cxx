@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <utility>
@@ -132,6 +133,29 @@ std::vector<PlannedStudy> ValidationStudies(const std::vector<Phantom>& phantoms
     study.Options.Laterality = number % 2 == 0 ? 'L' : 'R';
   }
   return studies;
+}
+
+std::vector<Patient> ValidationPatients(const std::string& publicData, const std::string& drawn)
+{
+  namespace fs = std::filesystem;
+  std::vector<Patient> patients;
+  const auto add = [&](const std::string& name, const fs::path& series)
+  {
+    if (fs::is_directory(series))
+    {
+      patients.push_back({ name, series.string(), drawn + "/" + name + ".json" });
+    }
+  };
+  std::error_code none;
+  for (const fs::directory_entry& folder :
+    fs::directory_iterator(publicData + "/uta11-breast-mri-CC-BY-SA-4.0", none))
+  {
+    add(folder.path().filename().string(), folder.path() / "t1-fat-suppressed");
+  }
+  std::sort(patients.begin(), patients.end(),
+    [](const Patient& a, const Patient& b) { return a.Name < b.Name; });
+  add("duke-153", fs::path(publicData) / "duke-breast-mri-153-CC-BY-NC-4.0" / "t1_tse");
+  return patients;
 }
 
 std::vector<MammogramCase> ValidationMammograms(const std::vector<Phantom>& phantoms,

@@ -5,6 +5,7 @@
 #ifndef mammoray_Validation_ValidationCases_h
 #define mammoray_Validation_ValidationCases_h
 
+#include "PatientRuns.h"
 #include "ValidationRuns.h"
 
 #include <string>
@@ -28,6 +29,10 @@ std::vector<LandmarkCase> ValidationLandmarks(const std::string& publicData);
 /// has them, the breasts of three patients' MRI. The number is the study's seed; sides alternate.
 std::vector<PlannedStudy> ValidationStudies(const std::vector<Phantom>& phantoms,
   const std::string& publicData, int count);
+
+/// Patients whose MRI the public data has: the fat-suppressed series of uta11's, named as their
+/// folders, and duke-153. `drawn` has their drawn slices, NAME.json.
+std::vector<Patient> ValidationPatients(const std::string& publicData, const std::string& drawn);
 
 /// Six real mammograms, one of them in both forms of storage, each with each of the phantoms: their
 /// own volumes are not known, so that no match may be trusted.

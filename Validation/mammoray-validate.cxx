@@ -46,6 +46,7 @@ struct Arguments
   VirtualStudyOptions Study;
   std::string Side = "left";
   std::string Contrast = "both";
+  std::string Drawn = MAMMORAY_DRAWN_SLICES;
   std::string Output;
   bool Resume = false;
   bool Overwrite = false;
@@ -403,6 +404,19 @@ void RunStudiesVerb(Arguments& arguments)
     { RunStudies(studies, arguments.KeepStudiesIn, file, progress); });
 }
 
+void RunPatientsVerb(const Arguments& arguments)
+{
+  const std::vector<Patient> patients = ValidationPatients(arguments.Data, arguments.Drawn);
+  if (patients.empty())
+  {
+    throw InputError(
+      "--data: expected the folder of public test data with MRI of patients, found '" +
+      arguments.Data + "'");
+  }
+  RunPatients(patients, arguments.Output, MakeProgressBar());
+  std::printf("%s: patients.csv, patients.png and the labels\n", arguments.Output.c_str());
+}
+
 void AddVerbs(CLI::App& application, Arguments& of)
 {
   const auto verb = [&](const char* name, const char* what, const std::function<void()>& run)
@@ -453,6 +467,13 @@ void AddVerbs(CLI::App& application, Arguments& of)
     [&of] { RunBenchmark(of); });
   AddStudies(benchmark, of);
   benchmark("-o,--output", of.Output, "new or empty folder")->required();
+
+  const Options patients = verb("patients",
+    "Segment patients' MRI as 'mammoray segment' does and compare with slices drawn by hand",
+    [&of] { RunPatientsVerb(of); });
+  patients("--data", of.Data, "folder of public test data, with MRI of patients")->required();
+  patients("--truth", of.Drawn, "folder of drawn slices, NAME.json")->check(CLI::ExistingDirectory);
+  patients("-o,--output", of.Output, "new or empty folder")->required();
 
   AddStudy(verb("study",
              "Make one virtual study: a clinic's export/ (DICOM) of a phantom, and truth.json",

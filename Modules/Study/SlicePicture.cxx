@@ -218,7 +218,7 @@ void OutlineLesion(const PointSlices& shown, const Slices& slices, const Slice& 
 }
 
 LayeredPicture DrawLabelSlices(const IntensityVolume& image, const LabelVolume& labels,
-  const AnatomicalAxes& axes, const std::vector<std::string>& names)
+  const AnatomicalAxes& axes, const std::vector<std::string>& names, const std::string& title)
 {
   image.ValidateGrid("slice picture", labels.Voxels.size());
   const Slices slices(&image, labels, axes);
@@ -243,7 +243,9 @@ LayeredPicture DrawLabelSlices(const IntensityVolume& image, const LabelVolume& 
     }
     low -= PlaneTitleHeight;
   }
-  picture.Legend(width - SliceLegendWidth, height - SliceMargin,
+  const int titleHeight = title.empty() ? 0 : PlaneTitleHeight;
+  picture.Text(width - SliceLegendWidth, height - SliceMargin - 0.5 * titleHeight, 0, title);
+  picture.Legend(width - SliceLegendWidth, height - SliceMargin - titleHeight,
     LegendOf(labels, names, [](int label) { return LabelColor(label); }));
   return { picture.Png(), width, height, {} };
 }

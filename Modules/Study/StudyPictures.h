@@ -33,11 +33,12 @@ struct LayeredPicture
 /**
  * Draws three axial, three coronal and three sagittal slices of a volume over the box of its
  * labels, with the labels' outlines in colours and a legend. Grey goes from 0 to the 99.5th
- * percentile in the box. Both volumes have one grid; `names[label]` names a label. Throws
- * InputError if the grids differ or there is no label.
+ * percentile in the box. Both volumes have one grid; `names[label]` names a label, `title` the
+ * picture. Throws InputError if the grids differ or there is no label.
  */
 MAMMORAYSTUDY_EXPORT LayeredPicture DrawLabelSlices(const IntensityVolume& image,
-  const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names);
+  const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names,
+  const std::string& title = {});
 
 /// What three slices through a point show.
 struct PointSlices

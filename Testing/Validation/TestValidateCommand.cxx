@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Twins of a coarse half-ellipsoid: the figures hold together, and runs go on where they stopped.
+// Twins of a coarse half-ellipsoid: the figures hold together, and runs go on where they stopped. A
+// patient of half a ball, as the verb patients sees it.
 #include "CommandTest.h"
 #include "LabelShapes.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
@@ -12,6 +14,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
+#include <sstream>
 
 using namespace mammoray;
 using test::ReadFile;
@@ -90,6 +94,122 @@ TEST_F(ValidateCommand, MeasuresTwinsAndGoesOn)
 
   this->ExpectRefused(this->Twins("twins", "--seed 2 --resume"), "same settings");
   this->ExpectRefused(this->Twins("twins", ""), "--overwrite");
+}
+
+namespace
+{
+/// Half a ball of fat with a ball of gland before muscle; the front is -y. LPS, voxels of 2 mm.
+IntensityVolume HalfBallMri()
+{
+  IntensityVolume image;
+  image.Size = { 60, 50, 50 };
+  image.Spacing = { 2, 2, 2 };
+  image.Origin = { -59, -50, -49 };
+  image.Voxels.resize(150000);
+  image.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      const Vector3 point = image.PointAt(i, j, k);
+      const float noise = static_cast<float>((7 * i + 11 * j + 13 * k) % 10);
+      image.Voxels[voxel] = noise +
+        (point[1] > 21                                                ? 350.0F
+            : Norm(point - Vector3{ 0, -10, 0 }) < 12                 ? 400.0F
+            : point[1] > 11 || Norm(point - Vector3{ 0, 18, 0 }) < 46 ? 1000.0F
+                                                                      : 0.0F);
+    });
+  return image;
+}
+
+void WriteSeries(const IntensityVolume& image, const std::string& folder)
+{
+  fs::create_directories(folder);
+  std::vector<std::string> paths;
+  for (int slice = 0; slice < image.Size[2]; ++slice)
+  {
+    paths.push_back(folder);
+    paths.back().append("/").append(std::to_string(slice)).append(".dcm");
+  }
+  DicomHeader header;
+  header.PatientPosition = "HFP";
+  WriteMrSeries(image, header, paths);
+}
+
+/// The axial slice through the middle, drawn as it is.
+std::string HalfBallDrawn()
+{
+  nlohmann::json outline{ { -58, 11 } };
+  nlohmann::json gland = nlohmann::json::array();
+  for (int degree = 0; degree <= 360; degree += 5)
+  {
+    const double angle = degree * std::numbers::pi / 180;
+    const double y = 18 - 46 * std::sin(angle);
+    if (y < 11)
+    {
+      outline.push_back({ -46 * std::cos(angle), y });
+    }
+    gland.push_back({ 12 * std::cos(angle), -10 + 12 * std::sin(angle) });
+  }
+  outline.push_back({ 58, 11 });
+  const nlohmann::json slice{ { "plane", "axial" }, { "position", 0.5 },
+    { "judged", { -42, 42, -45, 30 } }, { "outline", { outline } }, { "gland", { gland } },
+    { "chestWall", nlohmann::json::array({ { { -58, 21 }, { 58, 21 } } }) } };
+  return nlohmann::json{ { "slices", { slice } } }.dump();
+}
+}
+
+TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
+{
+  const std::string data = this->Folder.File("data");
+  const std::string mri = data + "/uta11-breast-mri-CC-BY-SA-4.0/";
+  WriteSeries(HalfBallMri(), mri + "y/t1-fat-suppressed");
+  IntensityVolume even = HalfBallMri();
+  even.Voxels.assign(even.Voxels.size(), 100);
+  WriteSeries(even, mri + "x/t1-fat-suppressed");
+  fs::create_directories(mri + "z/subtraction");
+  fs::create_directories(this->Folder.File("drawn"));
+  this->Folder.Write("drawn/y.json", HalfBallDrawn());
+  const std::string out = this->Folder.File("out");
+  const std::string command =
+    "patients --data " + data + " --truth " + this->Folder.File("drawn") + " -o " + out;
+  ASSERT_EQ(this->Run(command), 0) << this->Errors;
+
+  std::istringstream csv(ReadFile(out + "/patients.csv"));
+  std::vector<std::string> rows;
+  for (std::string row; std::getline(csv, row);)
+  {
+    rows.push_back(row);
+    EXPECT_THAT(this->Output, testing::HasSubstr(row));
+  }
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_THAT(rows[1], testing::MatchesRegex("x,[0-9.]+,,,,,,,,,\"refused: .+\""));
+  std::istringstream cells(rows[2]);
+  std::vector<std::string> values;
+  for (std::string cell; std::getline(cells, cell, ',');)
+  {
+    values.push_back(cell);
+  }
+  ASSERT_GE(values.size(), 10u);
+  EXPECT_EQ(values[0], "y");
+  // The cap of the ball above the slab and 10 mm of slab below it, cut 60 mm from the middle.
+  EXPECT_NEAR(std::stod(values[2]), 276, 30);
+  EXPECT_NEAR(std::stod(values[3]), 100 * 7.2 / 276, 0.8);
+  // Half a voxel of 2 mm all over the surface costs 1 mm.
+  EXPECT_GT(std::stod(values[4]), 0.97);
+  EXPECT_GT(std::stod(values[5]), 0.85);
+  EXPECT_LT(std::stod(values[6]), 1);
+  EXPECT_LT(std::stod(values[8]), 1.5);
+  EXPECT_THAT(ReadFile(out + "/patients.png"), testing::StartsWith("\x89PNG"));
+  EXPECT_TRUE(fs::exists(out + "/y.nrrd"));
+  EXPECT_FALSE(fs::exists(out + "/x.nrrd"));
+
+  this->ExpectRefused(command, "expected a new or an empty folder");
+  this->Folder.Write("drawn/y.json", "{}");
+  const std::string other = this->Folder.File("other");
+  this->ExpectRefused("patients --data " + data + " --truth " + this->Folder.File("drawn") +
+      " -o " + other,
+    "y.json: not a file of drawn slices");
+  this->ExpectRefused("patients --data /nonexistent -o " + other, "with MRI of patients");
+  EXPECT_FALSE(fs::exists(other));
 }
 
 TEST_F(ValidateCommand, StopsWithWhatIsDone)
