@@ -119,11 +119,11 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   }
   const std::vector<std::string> tables = KnownNames(folder, ".csv");
   std::vector<std::string> known = tables;
-  const std::vector<std::string> compounds = NistCompoundNames();
+  const std::vector<std::string> compounds = CompositionNames();
   known.insert(known.end(), compounds.begin(), compounds.end());
   throw InputError("unknown attenuation '" + name + "'; " +
     (SpellingSuggestions(name, known).empty() ? SpellingHint(name, tables) +
-          ", NIST's compounds ('Water, Liquid'), formulas ('H2O'), mass fractions ('H:0.112 "
+          ", names ('PMMA', 'Water'), formulas ('H2O'), mass fractions ('H:0.112 "
           "O:0.888')"
                                               : SpellingHint(name, known)));
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Composition.h"
 
+#include "Private/MaterialNames.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/Foundation/ValidRange.h"
 
 #include <xraylib.h>
@@ -138,7 +140,7 @@ std::vector<double> EnergyGrid(const MassFractions& fractions)
   return { energies.begin(), energies.lower_bound(std::nextafter(HighestKeV, 1e9)) };
 }
 
-/// Parses any of the three forms; no fractions if the text has none of them.
+/// Parses any of the forms; no fractions if the text has none of them.
 CompositionParts Parse(const std::string& text)
 {
   CompositionParts found;
@@ -155,28 +157,28 @@ CompositionParts Parse(const std::string& text)
       found.DensityGPerCm3 = ElementDensity(found.MassFractions.begin()->first, nullptr);
     }
   }
+  const NamedMaterial* const named =
+    found.MassFractions.empty() ? FindNamedMaterial(text) : nullptr;
+  if (named && named->Composition != text)
+  {
+    found = Parse(named->Composition);
+    found.DensityGPerCm3 = named->DensityGPerCm3 > 0 ? named->DensityGPerCm3 : found.DensityGPerCm3;
+  }
   return found;
 }
 
 InputError NoComposition(const std::string& text, const std::string& who)
 {
+  const std::vector<std::string> near = SpellingSuggestions(text, CompositionNames());
   return InputError(who +
-    ": expected an element, a formula, mass fractions or a NIST compound, found '" + text + "'");
+    ": expected an element, a formula, mass fractions or a NIST compound, found '" + text + "'" +
+    (near.empty() ? "" : "; " + SpellingHint(text, near)));
 }
 }
 
-std::vector<std::string> NistCompoundNames()
+std::vector<std::string> CompositionNames()
 {
-  int count = 0;
-  char** list = GetCompoundDataNISTList(&count, nullptr);
-  std::vector<std::string> names;
-  for (int index = 0; index < count; ++index)
-  {
-    names.emplace_back(list[index]);
-    xrlFree(list[index]);
-  }
-  xrlFree(list);
-  return names;
+  return NamesOfMaterials();
 }
 
 CompositionParts ParseComposition(const std::string& text, const std::string& who)

@@ -11,13 +11,15 @@
 
 namespace mammoray
 {
-/// Names of the compounds that NIST lists: "Water, Liquid", "Blood (ICRP)".
-MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
+/// Names that are known: of the compounds that NIST lists ("Water, Liquid", "Blood (ICRP)"), of
+/// elements, and common ones ("PMMA").
+MAMMORAYXRAY_EXPORT std::vector<std::string> CompositionNames();
 
 /**
  * Attenuation of a composition, from xraylib's cross sections (photoelectric, Rayleigh, Compton;
  * Schoonjans et al., Spectrochimica Acta B 66, 2011), 1 to 500 keV, absorption edges resolved:
- *  - a compound of NistCompoundNames, with NIST's density as the nominal one;
+ *  - a name of CompositionNames, whatever its case and punctuation, or a part of it that no other
+ *    has ("water", "Lucite"), with NIST's density as the nominal one;
  *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH";
  *  - mass fractions, "H:0.102 C:0.184 N:0.032 O:0.677 S:0.005": elements or formulas, each once,
  *    that sum to 1 within 0.01.

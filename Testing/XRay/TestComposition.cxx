@@ -162,13 +162,59 @@ TEST(Composition, EdgesAreSharp)
 TEST(Composition, UnknownNamesAreRefusedWithNearOnes)
 {
   ExpectRefused("adipos", "did you mean adipose");
-  ExpectRefused("Water Liquid", "Water, Liquid");
+  ExpectRefused("Watr, Liquid", "Water, Liquid");
   ExpectRefused("xyzzy", "known are adipose, air, blood");
   ExpectRefused("H:0.5 O:0.4", "a sum of 0.9");
   ExpectRefused("H:0.5 Qq:0.5", "'Qq:0.5'");
   ExpectRefused("H:0.5 O:", "'O:'");
   ExpectRefused("H:0.5 H:0.5", "'H' twice");
   ExpectRefused("", "unknown attenuation ''");
+}
+
+TEST(Composition, EverydayNamesAreKnown)
+{
+  const std::pair<const char*, const char*> same[] = {
+    { "PMMA", "Polymethyl Methacralate (Lucite, Perspex)" },
+    { "acrylic", "Polymethyl Methacralate (Lucite, Perspex)" },
+    { "perspex", "Polymethyl Methacralate (Lucite, Perspex)" },
+    { "Polymethyl Methacrylate", "Polymethyl Methacralate (Lucite, Perspex)" },
+    { "Water", "Water, Liquid" }, { "liquid water", "Water, Liquid" }, { "Aluminium", "Al" },
+    { "aluminum", "Al" }, { "TITANIUM", "Ti" }, { "Tin", "Sn" }, { "Iron", "Fe" },
+    { "Caesium Iodide", "Cesium Iodide" }, { "teflon", "Polytetrafluoroethylene (Teflon)" },
+    { "Polyethylene Terephthalate, (Mylar)", "Polyethylene Terephthalate (Mylar)" },
+    { "Glass, Borosilicate (Pyrex)", "Glass, Pyrex" }, { "lead glass", "Glass, Lead" },
+    { "C-552 Air-equivalent Plastic", "C-552 Air-Equivalent Plastic" },
+    { "eye lens (icrp)", "Eye Lens (ICRP)" }, { "skin", "Skin (ICRP)" }
+  };
+  for (const auto& [name, text] : same)
+  {
+    const AttenuationTable named = Composition(name);
+    const AttenuationTable table = Composition(text);
+    EXPECT_TRUE(named.HasDensity) << name;
+    EXPECT_EQ(named.NominalDensityGPerCm3, table.NominalDensityGPerCm3) << name;
+    EXPECT_EQ(named.MuPerMm, table.MuPerMm) << name;
+  }
+  // NIST's page (NISTIR 5632), mass attenuation at 20 keV, cm2/g, to 2 %, and the densities there.
+  const std::tuple<const char*, double, double> page[] = {
+    { "Adipose Tissue (ICRU-44)", 0.5677, 0.95 }, { "Breast Tissue (ICRU-44)", 0.6890, 1.02 },
+    { "Bone, Cortical (ICRU-44)", 4.001, 1.92 }, { "Polymethyl Methacrylate", 0.5714, 1.19 }
+  };
+  for (const auto& [name, perGram, density] : page)
+  {
+    const AttenuationTable table = Composition(name);
+    EXPECT_NEAR(table.DensityOf(0), density, 1e-9) << name;
+    EXPECT_NEAR(10 * table.MuAt(20, 1), perGram, 0.02 * perGram) << name;
+  }
+  EXPECT_EQ(Composition("Concrete, Ordinary").DensityOf(0), 2.3);
+  // Which bone, which wood?
+  AttenuationTable table;
+  EXPECT_FALSE(FindComposition("bone", table));
+  EXPECT_FALSE(FindComposition("wood", table));
+  EXPECT_FALSE(FindComposition("ICRU-44", table));
+  ExpectRefused("bone", "Bone, Compact (ICRU)");
+  ExpectRefused("Alumnium", "Aluminum");
+  EXPECT_THAT(RefusalOf([] { RequireComposition("Rhodum", "filter"); }),
+    testing::HasSubstr("did you mean Rhodium"));
 }
 
 TEST(Composition, BracketsWithoutEndAreNoFormula)
