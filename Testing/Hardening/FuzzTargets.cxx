@@ -5,6 +5,7 @@
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
 #include "Private/GmshFile.h"
+#include "Private/LabelNames.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoredVoxels.h"
 #include "Private/SurfaceFiles.h"
@@ -195,10 +196,16 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
     { "study-truth", OfFile("truth.json", ReadStudyTruth) },
     { "gmsh", OfFile("a.msh", [](const std::string& path) { ReadGmsh(path); }) },
+    { "label-description",
+      OfFile("a.txt",
+        [](const std::string& path)
+        { ReadLabelNames(std::filesystem::path(path).replace_extension(".nii").string()); }) },
     { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
+    { "segments",
+      OfFile("a.nrrd", [](const std::string& path) { ReadSegments(TextHeader::ReadNrrd(path)); }) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
     { "obj", OfFile("a.obj", [](const std::string& path) { ToTriangles(ReadObj(path)); }) },
     { "ply", OfFile("a.ply", [](const std::string& path) { ToTriangles(ReadPly(path)); }) },

@@ -36,7 +36,7 @@ MAMMORAYIO_EXPORT std::vector<Segment> ReadSegments(const TextHeader& header);
  * description of ITK-SNAP beside it (LabelDescriptionOf). Empty: none. Throws InputError, one line,
  * if one of them is damaged and if they contradict each other.
  */
-std::map<int, std::string> ReadLabelNames(const std::string& path);
+MAMMORAYIO_EXPORT std::map<int, std::string> ReadLabelNames(const std::string& path);
 
 /// The pairs with which 3D Slicer shows the named labels of a volume as segments.
 std::map<std::string, std::string> SegmentPairs(const LabelVolume& volume);
