@@ -6,6 +6,7 @@
 #include "mammoray/Foundation/SurfaceOverlap.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <numeric>
@@ -86,6 +87,7 @@ public:
         this->Corners.insert(this->Corners.end(), { ids[0], ids[back ? 1 : 2], ids[back ? 2 : 1] });
       }
     }
+    this->LeaveOutDoubled();
   }
 
   std::size_t NumberOfTriangles() const { return this->Corners.size() / 3; }
@@ -173,6 +175,51 @@ private:
   static std::uint32_t Next(std::uint32_t corner)
   {
     return corner % 3 == 2 ? corner - 2 : corner + 1;
+  }
+
+  /// Triangles that are there twice would leave their edges open.
+  void LeaveOutDoubled()
+  {
+    // The corners from the least on, and the triangle.
+    std::vector<std::array<std::uint32_t, 4>> order;
+    for (std::uint32_t corner = 0; corner < this->Corners.size(); corner += 3)
+    {
+      const auto begin = this->Corners.begin() + corner;
+      std::array<std::uint32_t, 4> entry{ begin[0], begin[1], begin[2], corner };
+      std::rotate(entry.begin(), std::min_element(entry.begin(), entry.begin() + 3),
+        entry.begin() + 3);
+      order.push_back(entry);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint32_t> doubled;
+    for (std::size_t n = 1; n < order.size(); ++n)
+    {
+      if (std::equal(order[n].begin(), order[n].begin() + 3, order[n - 1].begin()))
+      {
+        doubled.push_back(order[n][3]);
+      }
+    }
+    std::sort(doubled.begin(), doubled.end());
+    std::vector<std::uint32_t> once;
+    auto next = doubled.begin();
+    for (std::uint32_t corner = 0; !doubled.empty() && corner < this->Corners.size(); corner += 3)
+    {
+      if (next == doubled.end() || *next != corner)
+      {
+        const auto begin = this->Corners.begin() + corner;
+        once.insert(once.end(), begin, begin + 3);
+        continue;
+      }
+      if (this->Material != 0) // air has the same
+      {
+        this->Defects.Add(Kind::DoubledTriangles, { this->Point(corner), this->Material, 0 });
+      }
+      ++next;
+    }
+    if (!doubled.empty())
+    {
+      this->Corners = std::move(once);
+    }
   }
 
   void CollectEdges()
@@ -467,6 +514,8 @@ const char* Describe(Kind kind)
       return "points without a cell";
     case Kind::FlatTriangles:
       return "triangles of no area";
+    case Kind::DoubledTriangles:
+      return "triangles that are there twice";
     case Kind::Holes:
       return "holes in the boundary of a material";
     case Kind::Crossings:

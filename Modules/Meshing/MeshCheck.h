@@ -26,6 +26,8 @@ struct MAMMORAYMESHING_EXPORT MeshDefect
     UnusedPoints,
     /// Triangles with zero area.
     FlatTriangles,
+    /// Triangles that bound a material once more, with the same corners in the same sense.
+    DoubledTriangles,
     /// Edges where the boundary of a material ends; one place per hole.
     Holes,
     /// Edges or points where the boundary of a material, or of air, touches itself. X-rays are not

@@ -54,7 +54,8 @@ std::string PathLengthImage::InconsistencyWarning() const
   }
   return std::to_string(count) + " pixels in columns " + std::to_string(left) + " to " +
     std::to_string(right) + " and rows " + std::to_string(top) + " to " + std::to_string(bottom) +
-    " see holes in the mesh; they are estimated from their neighbours and marked in Consistency";
+    " see a mesh that does not close (holes, or triangles that are doubled or turned); they are "
+    "estimated from their neighbours and marked in Consistency";
 }
 
 std::string MethodName(Method method)

@@ -201,6 +201,26 @@ TEST(MeshCheck, SphereSurfaceAndItsHoles)
   EXPECT_GE(holes->Places[0].LengthMm, holes->Places[1].LengthMm);
 }
 
+TEST(MeshCheck, DoubledTrianglesAreNoHoles)
+{
+  SurfaceMesh surface;
+  AddSphere(surface, { 10, 20, 30 }, 5, 2, 3);
+  const double volume = CheckSurface(surface).Materials[0].VolumeMm3;
+  for (const std::size_t triangle : { std::size_t{ 7 }, std::size_t{ 90 } })
+  {
+    // From another corner on.
+    const std::uint32_t* ids = &surface.Triangles[3 * triangle];
+    AddTriangle(surface, ids[1], ids[2], ids[0], 3, 0);
+  }
+  const MeshCheck check = CheckSurface(surface);
+  EXPECT_FALSE(check.Find(Kind::Holes));
+  ASSERT_TRUE(check.Find(Kind::DoubledTriangles));
+  EXPECT_EQ(check.Find(Kind::DoubledTriangles)->Count, 2u);
+  EXPECT_THAT(check.Find(Kind::DoubledTriangles)->Text({}),
+    testing::HasSubstr("2 triangles that are there twice: material 3 at"));
+  EXPECT_NEAR(check.Materials[0].VolumeMm3, volume, 1e-9);
+}
+
 TEST(MeshCheck, TouchingSurfacesThatShareTheirInterface)
 {
   const SurfaceMesh layers = Layers({ 0, 1, 3 }, 2);

@@ -153,6 +153,7 @@ refused("points[2, 1]: expected a finite number", numpy.where(numpy.arange(24).r
 refused("points: expected numbers", POINTS.astype(str), TRIANGLES)
 refused("cells: expected m x 3 triangles or m x 4 tetrahedra, found 12 x 2", POINTS, TRIANGLES[:, :2])
 refused("expected 0 to 7, found 8", POINTS, TRIANGLES + 1)
+refused("quads?", POINTS, [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
 refused("expected a whole number, found 1.5", POINTS, TRIANGLES * 0.75)
 refused("regions: expected 12 values, found 11", POINTS, TRIANGLES, numpy.ones(11))
 refused("region 1 of the mesh has no attenuation; regions 2 have one", materials={2: 0.1})

@@ -99,9 +99,12 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
 MeshCheck CheckClosed(const SurfaceMesh& surfaces)
 {
   MeshCheck check = CheckSurface(surfaces);
-  if (const MeshDefect* holes = check.Find(MeshDefect::Kind::Holes))
+  for (const auto kind : { MeshDefect::Kind::DoubledTriangles, MeshDefect::Kind::Holes })
   {
-    throw InputError("surfaces: expected closed ones, found " + holes->Text({}));
+    if (const MeshDefect* defect = check.Find(kind))
+    {
+      throw InputError("surfaces: expected closed ones, found " + defect->Text({}));
+    }
   }
   return check;
 }

@@ -249,6 +249,14 @@ def _attenuation(material: Material, region: int, energies: int) -> tuple[str, f
     return "", 0.0, array_of(value, name, (energies,)).tolist()
 
 
+def _are_flat(points: NDArray[Any], cells: NDArray[Any]) -> bool:
+    """Whether most of the cells, each of four points, are no bodies but faces."""
+    if len(cells) == 0:
+        return False
+    edges = points[cells[:, 1:]] - points[cells[:, :1]]
+    return bool(numpy.median(abs(numpy.linalg.det(edges)) / numpy.maximum(numpy.linalg.norm(edges, axis=2).max(axis=1) ** 3, 1e-300)) < 1e-3)
+
+
 class Projector:
     """A mesh on a Vulkan device, for more than one image of it: see project, which takes the same arguments."""
 
@@ -261,6 +269,9 @@ class Projector:
                              f"{' x '.join(map(str, corners.shape)) or 'one number'}")
         corners = whole_array_of(corners, "cells", (None, corners.shape[1]), len(points) - 1)
         triangles = corners.shape[1] == 3
+        if not triangles and _are_flat(points, corners):
+            raise InputError("cells: expected m x 3 triangles or m x 4 tetrahedra, found m x 4 flat ones: quads? Cut each into two "
+                             "triangles, [0, 1, 2] and [0, 2, 3]")
         if regions is None:
             regions = numpy.ones(len(corners), dtype=int)
         sides = numpy.asarray(regions)
