@@ -8,6 +8,7 @@
 #include "mammoray/Study/Intake.h"
 
 #include <cstdio>
+#include <vector>
 
 namespace mammoray
 {
@@ -17,6 +18,7 @@ struct IntakeArguments
 {
   std::string Folder;
   std::optional<char> Side;
+  std::vector<int> Series;
   std::string Json;
 };
 
@@ -25,6 +27,7 @@ void Declare(const OptionList& add, IntakeArguments& arguments)
   add("folder", arguments.Folder, "folder of a clinic's export: MRI and mammograms in any folders")
     ->required();
   AddSideOption(add, arguments.Side);
+  add(Shared::Series, arguments.Series);
   add("--json", arguments.Json, "write the same there, with the names of all files (.json)");
 }
 
@@ -34,8 +37,8 @@ void Run(IntakeArguments& arguments)
   {
     CheckOutputFile(arguments.Json, ".json", "a listing");
   }
-  const StudyChoice choice =
-    ChooseForRegistration(ReadStudy(arguments.Folder, MakeProgressBar()), arguments.Side);
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(arguments.Folder, MakeProgressBar()),
+    arguments.Side, arguments.Series);
   if (!arguments.Json.empty())
   {
     WriteAtomicFile(arguments.Json, StudyJson(choice));

@@ -45,6 +45,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
     "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it; with "
     "--labels these are its tissue, corrected, and nothing is segmented)");
   AddSideOption(add, arguments.Side);
+  add.Expert()(Shared::Series, input.Series)->needs(study);
   AddLabelOptions(add, input.Labels);
   add(Shared::Materials, input.Materials);
   add(Shared::Orientation, input.Orientation);

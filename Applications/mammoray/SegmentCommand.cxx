@@ -6,14 +6,17 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/StudyPictures.h"
 
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
 #endif
 
 namespace mammoray
@@ -26,6 +29,8 @@ struct SegmentArguments
   std::string Image;
   /// Empty: Image alone.
   std::string Suppressed;
+  /// Of folders that hold several volumes: of Image, and of Suppressed or else of Image, too.
+  std::vector<int> Series;
   std::string Orientation = "LPS";
   SegmentationOptions Options;
   std::string Output;
@@ -36,6 +41,7 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
 {
   SegmentationOptions& options = arguments.Options;
   add(Shared::Image, arguments.Image)->required();
+  add(Shared::Series, arguments.Series);
   add.Input("--suppressed-image", arguments.Suppressed,
     "the MRI of the same session with fat suppression, beside a plain --image\n(chest wall and "
     "gland are found from both)");
@@ -76,6 +82,11 @@ void CheckArguments(const SegmentArguments& arguments)
     CheckOutputFile(LabelDescriptionOf(arguments.Output));
   }
   CheckPictureFile(arguments.Picture);
+  if (arguments.Series.size() > 2)
+  {
+    throw CLI::ValidationError(
+      "--series: expected one or two numbers, found " + std::to_string(arguments.Series.size()));
+  }
 }
 
 void PrintResult(const SegmentationResult& result, const MaterialTable& table)
@@ -114,10 +125,16 @@ void Run(SegmentArguments& arguments)
   arguments.Options.Validate();
   const MaterialTable table = FindMaterialTable("segment");
   const VolumeAxes axes = AxesOf(Program().AxesAsGiven);
-  const IntensityVolume image = ReadIntensityVolume(arguments.Image, axes);
-  SegmentationResult result = arguments.Suppressed.empty()
+  const auto numberAt = [&arguments](std::size_t index) {
+    return index < arguments.Series.size() ? std::optional(arguments.Series[index]) : std::nullopt;
+  };
+  const IntensityVolume image = ReadMri(arguments.Image, axes, numberAt(0));
+  const std::string& suppressed = arguments.Suppressed.empty() && arguments.Series.size() > 1
+    ? arguments.Image
+    : arguments.Suppressed;
+  SegmentationResult result = suppressed.empty()
     ? SegmentBreast(image, arguments.Options, MakeProgressBar())
-    : SegmentBreast(image, ReadIntensityVolume(arguments.Suppressed, axes), arguments.Options,
+    : SegmentBreast(image, ReadMri(suppressed, axes, numberAt(1)), arguments.Options,
         MakeProgressBar());
   result.Labels.Names = table.LabelNames();
   WriteLabelVolume(result.Labels, arguments.Output);

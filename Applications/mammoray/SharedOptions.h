@@ -21,6 +21,10 @@ inline const SharedOption LabelSpacing{ "--label-spacing",
   "cubic voxels of the labels; 0 keeps those of the input", NonNegative("mm") };
 inline const SharedOption PixelSpacing{ "--pixel-spacing",
   "distance of the picture's pixels at the receptor", Positive("mm") };
+inline const SharedOption Series{ "--series",
+  "the volume to take, by its number in the list of 'mammoray intake'\n(two: without and with fat "
+  "suppression)",
+  Between(1, 9999) };
 inline const SharedOption SimulationCellSize{ "--simulation-cell-size",
   "largest cells of the simulation mesh that is made\n(0: by the size of the breast, 3000 to 6000 "
   "cells)",

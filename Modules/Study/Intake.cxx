@@ -128,6 +128,71 @@ std::string Found(const Study& study, const std::vector<std::string>& files)
 }
 }
 
+std::string VolumesText(const Study& study)
+{
+  constexpr std::size_t most = 20;
+  std::string text;
+  for (std::size_t index = 0; index < std::min(study.Series.size(), most); ++index)
+  {
+    const StudySeries& series = study.Series[index];
+    text += (text.empty() ? ": " : ", ") + std::to_string(index + 1) + " '" + series.Description +
+      "' (" + std::to_string(series.Slices.size()) + " slices of " +
+      std::to_string(series.Header.Columns) + " x " + std::to_string(series.Header.Rows) +
+      (series.Phases > 1 ? ", phase " + std::to_string(series.Phase) : "") +
+      (series.Grid ? ")" : ", no volume)");
+  }
+  return study.Series.size() > most ? text + " and more" : text;
+}
+
+IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<int> series,
+  const ProgressCallback& progress)
+{
+  std::error_code problem;
+  if (!fs::is_directory(path, problem))
+  {
+    if (series)
+    {
+      throw InputError(path +
+          ": expected a folder of DICOM slices to choose a volume of, found a "
+          "file",
+        { "Series", std::to_string(*series) });
+    }
+    return ReadIntensityVolume(path, axes);
+  }
+  if (series)
+  {
+    Study study = ReadStudy(path, progress);
+    return ReadIntensitySlices(VolumeOfNumber(study, *series).Slices, progress);
+  }
+  std::string refusal;
+  try
+  {
+    return ReadIntensityVolume(path, axes);
+  }
+  catch (const InputError& error)
+  {
+    refusal = error.what();
+  }
+  Study study;
+  try
+  {
+    study = ReadStudy(path, progress);
+  }
+  catch (const InputError&) // it is no better told by that
+  {
+    throw InputError(refusal);
+  }
+  if (study.Series.size() < 2)
+  {
+    throw InputError(study.Series.empty() || study.Series.front().WhyNoGrid.empty()
+        ? refusal
+        : path + ": expected slices that make a volume, found: " + study.Series.front().WhyNoGrid);
+  }
+  throw InputError(path + ": expected one volume, found " + std::to_string(study.Series.size()) +
+      VolumesText(study),
+    { "Series", "", { "Series" } });
+}
+
 Study ReadStudy(const std::string& folder, const ProgressCallback& progress)
 {
   Study study;

@@ -65,6 +65,8 @@ struct StudySeries
   char Side = '?';
   /// Mean distance of the slices, mm. 0 if unknown.
   double SliceSpacingMm = 0;
+  /// Why the slices make no grid: "missing slices (2, ...)". Empty if they do.
+  std::string WhyNoGrid;
   /// Why it cannot show the tissue: "subtraction (ImageType SUB)". Empty if it can.
   std::string LeftOut;
   /// Filled in by ChooseForRegistration: "taken: ..." or "left out: ...".
@@ -144,13 +146,24 @@ struct StudyChoice
  * the finest slices, from the newest examination that has any. Mammograms: CC and MLO of one side,
  * the newest exposure, For Processing of its two forms. One view is enough. `laterality`: 'L' or
  * 'R', the patient's own; it is also the side of all mammograms if none of them names one. Nothing:
- * the side of all mammograms, with a refusal if they show both.
+ * the side of all mammograms, with a refusal if they show both. `series`: numbers of the volumes to
+ * take (their order in Study::Series, from 1), one without and one with fat suppression at most;
+ * empty: those that are chosen. Throws InputError on other numbers, and on volumes without a grid.
  */
 MAMMORAYSTUDY_EXPORT StudyChoice ChooseForRegistration(Study study,
-  std::optional<char> laterality = {});
+  std::optional<char> laterality = {}, const std::vector<int>& series = {});
 
-/// Tables of series and mammograms with their reasons, for the terminal.
+/// Tables of series, with their numbers, and of mammograms, with the reasons of both, for the
+/// terminal.
 MAMMORAYSTUDY_EXPORT std::string StudyListing(const StudyChoice& choice);
+
+/**
+ * Reads an MRI as ReadIntensityVolume does. `series`: of a folder, the volume of this number in the
+ * listing of its study. Throws InputError, which lists the volumes of a folder that holds several
+ * where none of them is asked for.
+ */
+MAMMORAYSTUDY_EXPORT IntensityVolume ReadMri(const std::string& path, VolumeAxes axes,
+  std::optional<int> series = {}, const ProgressCallback& progress = {});
 
 /// The same as JSON, with the files. Only names of files and folders may identify the patient.
 MAMMORAYSTUDY_EXPORT std::string StudyJson(const StudyChoice& choice);

@@ -203,7 +203,7 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   {
     HideNames(study);
   }
-  StudyChoice choice = ChooseForRegistration(std::move(study), laterality);
+  StudyChoice choice = ChooseForRegistration(std::move(study), laterality, input.Series);
   choice.Require();
   input.Mammograms.clear();
   for (const auto* view : { &choice.Cc, &choice.Mlo })

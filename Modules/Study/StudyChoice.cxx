@@ -154,6 +154,55 @@ bool IsOfUse(const StudySeries& series, const StudySeries* suppressed)
     (series.Contrast != ContrastPhase::After && AreOfOnePosition(series, *suppressed));
 }
 
+/// How the patient lay, by the volume that is segmented.
+void SettlePosition(StudyChoice& choice)
+{
+  const StudySeries& taken = *choice.Mri();
+  choice.Position = taken.Position;
+  if (!taken.Position && taken.Header.PatientPosition.empty())
+  {
+    choice.Warnings.emplace_back(
+      "the MRI's header does not say whether the patient lay prone or supine");
+  }
+  else if (!taken.Position)
+  {
+    choice.Refusal = "expected an MRI of a patient prone or supine, found the position " +
+      taken.Header.PatientPosition + " in '" + taken.Description + "'";
+  }
+}
+
+/// Takes the volumes of these numbers, from 1, whatever speaks against them.
+void TakeTissue(StudyChoice& choice, const std::vector<int>& numbers)
+{
+  std::vector<StudySeries>& all = choice.Found.Series;
+  for (StudySeries& series : all)
+  {
+    series.Reason = "left out: another one was asked for";
+  }
+  for (const int number : numbers)
+  {
+    StudySeries& series = VolumeOfNumber(choice.Found, number);
+    std::optional<StudySeries>& place = series.Fat == FatSuppression::Absent ? choice.Plain
+      : series.Fat == FatSuppression::Present                                ? choice.FatSuppressed
+                                                                             : choice.Undetermined;
+    if (place)
+    {
+      throw InputError(choice.Found.Folder +
+          ": expected one volume without and one with fat suppression, found '" +
+          place->Description + "' and '" + series.Description + "', of one kind",
+        { "Series", std::to_string(number) });
+    }
+    series.Reason = "taken: asked for" + InBrackets(series.FatEvidence);
+    if (!series.LeftOut.empty())
+    {
+      choice.Warnings.push_back(
+        "'" + series.Description + "' is taken as asked for, although: " + series.LeftOut);
+    }
+    place = series;
+  }
+  SettlePosition(choice);
+}
+
 void ChooseTissue(StudyChoice& choice)
 {
   const std::vector<StudySeries*> candidates = FindCandidates(choice);
@@ -205,18 +254,7 @@ void ChooseTissue(StudyChoice& choice)
       series->Reason = WhyNotTaken(*series, *BestOf(candidates, series->Fat), choice);
     }
   }
-  const StudySeries& taken = *choice.Mri();
-  choice.Position = taken.Position;
-  if (!taken.Position && taken.Header.PatientPosition.empty())
-  {
-    choice.Warnings.emplace_back(
-      "the MRI's header does not say whether the patient lay prone or supine");
-  }
-  else if (!taken.Position)
-  {
-    choice.Refusal = "expected an MRI of a patient prone or supine, found the position " +
-      taken.Header.PatientPosition + " in '" + taken.Description + "'";
-  }
+  SettlePosition(choice);
 }
 
 /// Settles the side: the one asked for, or that of all mammograms that can be registered. If none
@@ -316,7 +354,27 @@ void StudyChoice::Require() const
   }
 }
 
-StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality)
+StudySeries& VolumeOfNumber(Study& study, int number)
+{
+  if (number < 1 || static_cast<std::size_t>(number) > study.Series.size())
+  {
+    throw InputError(study.Folder + ": expected a volume from 1 to " +
+        std::to_string(study.Series.size()) + ", found " + std::to_string(number) +
+        VolumesText(study),
+      { "Series", std::to_string(number) });
+  }
+  StudySeries& series = study.Series[static_cast<std::size_t>(number) - 1];
+  if (!series.Grid)
+  {
+    throw InputError(study.Folder + ": expected slices that make a volume, found in number " +
+        std::to_string(number) + ", '" + series.Description + "': " + series.LeftOut,
+      { "Series", std::to_string(number) });
+  }
+  return series;
+}
+
+StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality,
+  const std::vector<int>& series)
 {
   if (laterality && *laterality != 'L' && *laterality != 'R')
   {
@@ -327,7 +385,14 @@ StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality)
   choice.Warnings = choice.Found.Warnings;
   SettleSide(laterality, choice);
   ChooseViews(choice);
-  ChooseTissue(choice);
+  if (series.empty())
+  {
+    ChooseTissue(choice);
+  }
+  else
+  {
+    TakeTissue(choice, series);
+  }
   if (choice.Refusal.empty() && !choice.Cc && !choice.Mlo)
   {
     choice.Refusal = WhyNoViews(choice);

@@ -58,14 +58,15 @@ std::string OrDash(const std::string& text)
   return text.empty() ? "-" : text;
 }
 
-std::string LineOf(const StudySeries& series)
+/// `number`: of the volume, from 1.
+std::string LineOf(const StudySeries& series, std::size_t number)
 {
   std::string name = series.Description.empty() ? "(no description)" : series.Description;
   name += series.Phases > 1
     ? " [" + std::to_string(series.Phase) + "/" + std::to_string(series.Phases) + "]"
     : "";
   char line[512];
-  std::snprintf(line, sizeof line, "  %-34s %4zu  %-19s %-8s %-4s %-38s %-7s %-7s  ",
+  std::snprintf(line, sizeof line, "  %3zu %-34s %4zu  %-19s %-8s %-4s %-38s %-7s %-7s  ", number,
     Shortened(name, 34).c_str(), series.Slices.size(), SpacingOf(series).c_str(),
     OrDash(series.Plane).c_str(), OrDash(series.Header.PatientPosition).c_str(),
     Shortened(series.Sequence, 38).c_str(), FatColumn(series.Fat), ContrastColumn(series.Contrast));
@@ -146,13 +147,13 @@ std::string StudyListing(const StudyChoice& choice)
   text += line;
   if (!study.Series.empty())
   {
-    std::snprintf(line, sizeof line, "  %-34s %4s  %-19s %-8s %-4s %-38s %-7s %-7s\n",
+    std::snprintf(line, sizeof line, "  %3s %-34s %4s  %-19s %-8s %-4s %-38s %-7s %-7s\n", "",
       "description", "n", "spacing [mm]", "plane", "pos.", "sequence [ms]", "fat-sup", "contr.");
     text += line;
   }
-  for (const StudySeries& series : study.Series)
+  for (std::size_t index = 0; index < study.Series.size(); ++index)
   {
-    text += LineOf(series);
+    text += LineOf(study.Series[index], index + 1);
   }
   text += "mammograms: " + std::to_string(study.Mammograms.size()) + '\n';
   for (const StudyMammogram& image : study.Mammograms)

@@ -232,6 +232,38 @@ TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
 }
 
+TEST(Intake, AVolumeOfAMixedFolderIsChosenByItsNumber)
+{
+  MadeUpStudy files;
+  files.AddSlices(MadeUpMr("1.2.4", "t1"), 30);
+  files.AddSlices(MadeUpMr("1.2.5", "t1_sub"), 40);
+  files.AddSlices(MadeUpMr("1.2.6", "t1_spair"), 50);
+  AddViews(files, "L");
+  const std::string mri = files.File("DICOM");
+  const std::string refusal = RefusalOf([&] { ReadMri(mri, VolumeAxes::Patient); });
+  EXPECT_THAT(refusal,
+    AllOf(HasSubstr("expected one volume, found 3: 1 't1' (30 slices of 70 x 40), 2 't1_sub' (40 "),
+      HasSubstr("; set Series")));
+  EXPECT_EQ(ReadMri(mri, VolumeAxes::Patient, 3).Size[2], 50);
+  EXPECT_THAT(RefusalOf([&] { ReadMri(mri, VolumeAxes::Patient, 4); }),
+    HasSubstr("expected a volume from 1 to 3, found 4: 1 't1'"));
+
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()), 'L', { 2, 3 });
+  ASSERT_TRUE(choice.Plain && choice.FatSuppressed);
+  EXPECT_EQ(choice.Plain->Header.SeriesInstanceUid, "1.2.5");
+  EXPECT_THAT(ReasonsOf(choice.Found.Series),
+    ElementsAre(HasSubstr("another one was asked for"), HasSubstr("taken: asked for"),
+      HasSubstr("taken: asked for")));
+  EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("although: subtraction")));
+  EXPECT_EQ(choice.Refusal, "");
+  EXPECT_THAT(StudyListing(choice), HasSubstr("\n    2 t1_sub "));
+  EXPECT_THAT(RefusalOf(
+                [&] {
+                  ChooseForRegistration(ReadStudy(files.Folder()), 'L', { 1, 2 });
+                }),
+    HasSubstr("found 't1' and 't1_sub', of one kind"));
+}
+
 TEST(Intake, TextsOfAnyLengthAndKindAreShown)
 {
   MadeUpStudy files;

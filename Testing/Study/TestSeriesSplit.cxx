@@ -124,7 +124,18 @@ TEST(SeriesSplit, LocalizersAndGapsHaveNoGrid)
     [](DicomHeader& h, int slice, int) { (*h.Position)[2] += slice > 9 ? 2 : 0; }));
   ASSERT_EQ(gap.size(), 1u);
   EXPECT_FALSE(gap.front().Grid);
+  EXPECT_EQ(gap.front().WhyNoGrid,
+    "missing slices (1, the first after slice 10; 20 slices, 2.11 mm apart on average)");
   EXPECT_EQ(gap.front().Files.size(), 20u);
+  // Two slices once more.
+  std::vector<DicomHeader> doubled = ShuffledSlices(20, 1, AsMade);
+  doubled.push_back(doubled[4]);
+  doubled.push_back(doubled[9]);
+  EXPECT_THAT(SplitIntoVolumes(doubled).front().WhyNoGrid,
+    testing::StartsWith("doubled slices (2 of 22 lie where another one does: duplicates"));
+  const auto uneven = SplitIntoVolumes(ShuffledSlices(20, 1,
+    [](DicomHeader& h, int slice, int) { (*h.Position)[2] += slice == 9 ? 0.7 : 0; }));
+  EXPECT_EQ(uneven.front().WhyNoGrid, "slices at uneven distances (1.30 to 2.70 mm)");
   const auto nowhere =
     SplitIntoVolumes(ShuffledSlices(20, 1, [](DicomHeader& h, int, int) { h.Position.reset(); }));
   ASSERT_EQ(nowhere.size(), 1u);

@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mammoray
 {
@@ -61,10 +65,40 @@ void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal
   }
 }
 
-[[noreturn]] void RefuseDistances(const VolumeSlice& first)
+/// `shared`: the number of slices that lie where another one does.
+[[noreturn]] void RefuseShared(const std::vector<VolumeSlice>& slices, const Vector3& normal,
+  std::size_t shared)
 {
-  throw InputError(
-    first.Name + ": expected slices at even distances, found a missing one or other distances");
+  std::vector<std::pair<double, const VolumeSlice*>> sorted;
+  for (const VolumeSlice& slice : slices)
+  {
+    sorted.emplace_back(Dot(*slice.Position - *slices.front().Position, normal), &slice);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+    [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto pair = std::adjacent_find(sorted.begin(), sorted.end(),
+    [](const auto& a, const auto& b) { return b.first - a.first < 1e-3; });
+  throw InputError(slices.front().Name +
+    ": expected slices at places of their own, found two at "
+    "one, " +
+    pair->second->Name + " and " + std::next(pair)->second->Name +
+    (shared > 1 ? ", and " + std::to_string(shared - 1) + " more" : "") +
+    ": duplicates, or several volumes in one folder");
+}
+
+[[noreturn]] void RefuseDistances(const VolumeSlice& first, const std::vector<double>& heights)
+{
+  double least = heights[1] - heights[0];
+  double most = least;
+  for (std::size_t n = 2; n < heights.size(); ++n)
+  {
+    least = std::min(least, heights[n] - heights[n - 1]);
+    most = std::max(most, heights[n] - heights[n - 1]);
+  }
+  char range[64];
+  std::snprintf(range, sizeof range, " (%.2f to %.2f mm)", least, most);
+  throw InputError(first.Name +
+    ": expected slices at even distances, found a missing one or other distances" + range);
 }
 
 /// The distance of slices, at least two, of which none may be left out: the mean one, so that the
@@ -78,7 +112,7 @@ double EvenSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vecto
     // A twentieth of a step: a grid is still told from none.
     if (std::abs(heights[n] - heights.front() - static_cast<double>(n) * spacing) > 0.05 * spacing)
     {
-      RefuseDistances(slices.front());
+      RefuseDistances(slices.front(), heights);
     }
   }
   return spacing;
@@ -122,7 +156,7 @@ double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
     throw InputError(
       slices.front().Name + ": expected several slices or a slice thickness, found neither");
   }
-  RefuseDistances(slices.front());
+  RefuseDistances(slices.front(), heights);
 }
 }
 
@@ -147,7 +181,7 @@ VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowe
     heights.end());
   if (!gapsAllowed && heights.size() != count)
   {
-    throw InputError(first.Name + ": expected slices at places of their own, found two at one");
+    RefuseShared(slices, normal, count - heights.size());
   }
   const double spacing = gapsAllowed || heights.size() == 1 ? SparseSliceSpacing(slices, heights)
                                                             : EvenSliceSpacing(slices, heights);

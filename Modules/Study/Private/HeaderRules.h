@@ -46,6 +46,12 @@ MAMMORAYSTUDY_EXPORT StudyMammogram DescribeMammogram(const DicomHeader& header)
 MAMMORAYSTUDY_EXPORT std::vector<StudySeries> SplitIntoVolumes(
   const std::vector<DicomHeader>& slices);
 
+/// The volume of a number, from 1. Throws InputError if there is none or if it has no grid.
+StudySeries& VolumeOfNumber(Study& study, int number);
+
+/// "; 1: 't1 tra' (60 slices of 320 x 320), 2: ..." for messages, the first 20.
+std::string VolumesText(const Study& study);
+
 /// Fills in what follows from the series' own header and grid, LeftOut included.
 MAMMORAYSTUDY_EXPORT void DescribeSeries(StudySeries& series);
 

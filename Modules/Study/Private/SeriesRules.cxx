@@ -320,6 +320,10 @@ std::string WhyNoBreastVolume(const StudySeries& series)
   {
     return "too few slices (" + std::to_string(series.Slices.size()) + ")";
   }
+  if (!series.Grid && !series.WhyNoGrid.empty())
+  {
+    return series.WhyNoGrid;
+  }
   if (!series.Grid)
   {
     std::snprintf(text, sizeof text,

@@ -140,6 +140,58 @@ std::vector<Slices> SplitPhases(const Slices& slices)
   return phases;
 }
 
+/// Why slices in the order of their heights make no grid.
+std::string WhyIrregular(const Slices& slices, const std::string& otherwise)
+{
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < slices.size(); ++n)
+  {
+    gaps.push_back(HeightOf(slices[n]) - HeightOf(slices[n - 1]));
+  }
+  const auto doubled = static_cast<std::size_t>(
+    std::count_if(gaps.begin(), gaps.end(), [](double gap) { return gap < 1e-3; }));
+  char text[160];
+  if (doubled > 0)
+  {
+    std::snprintf(text, sizeof text,
+      "doubled slices (%zu of %zu lie where another one does: duplicates, or phases that nothing "
+      "tells apart)",
+      doubled, slices.size());
+    return text;
+  }
+  if (gaps.size() < 2)
+  {
+    return otherwise;
+  }
+  std::vector<double> sorted = gaps;
+  std::sort(sorted.begin(), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  long missing = 0;
+  double where = 0;
+  for (std::size_t n = 0; n < gaps.size(); ++n)
+  {
+    const double steps = gaps[n] / usual;
+    if (std::abs(steps - std::round(steps)) > 0.05 * std::round(steps))
+    {
+      std::snprintf(text, sizeof text, "slices at uneven distances (%.2f to %.2f mm)",
+        sorted.front(), sorted.back());
+      return text;
+    }
+    const long lost = std::lround(steps) - 1;
+    where = lost > 0 && missing == 0 ? static_cast<double>(n) + 1 : where;
+    missing += lost;
+  }
+  if (missing == 0)
+  {
+    return otherwise;
+  }
+  std::snprintf(text, sizeof text,
+    "missing slices (%ld, the first after slice %.0f; %zu slices, %.2f mm apart on average)",
+    missing, where, slices.size(),
+    (HeightOf(slices.back()) - HeightOf(slices.front())) / static_cast<double>(gaps.size()));
+  return text;
+}
+
 StudySeries VolumeOf(Slices slices)
 {
   StudySeries series;
@@ -160,8 +212,9 @@ StudySeries VolumeOf(Slices slices)
     series.Grid = found.Grid;
     order = std::move(found.Order);
   }
-  catch (const InputError&) // they make no regular volume
+  catch (const InputError& error)
   {
+    series.WhyNoGrid = slices.front().Position ? WhyIrregular(slices, error.what()) : "";
   }
   std::set<std::string> known;
   for (const std::size_t index : order)
