@@ -14,6 +14,7 @@ namespace
 {
 /// Fields whose options are not called as they are.
 constexpr std::pair<const char*, const char*> OtherNames[] = {
+  { "ImagePosition", "--mri-position" },
   { "Laterality", "--side" },
   { "MammogramViews", "--view" },
   { "Mammograms", "--mammogram" },

@@ -334,6 +334,10 @@ void Run(RegisterArguments& arguments)
   CheckResultFolder(arguments.Output, Program().Overwrite);
   if (!arguments.Study.empty())
   {
+    if (arguments.ImagePosition) // which says that no gravity is taken off, too
+    {
+      input.ImagePosition = arguments.ImagePosition->value_or(PatientPosition::Prone);
+    }
     TakeStudy(arguments.Study, arguments.Side, input, MakeProgressBar());
     PrintStudy(*input.Study);
   }

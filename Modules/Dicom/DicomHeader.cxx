@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 namespace mammoray
 {
@@ -288,13 +289,20 @@ DicomHeader ReadMammogramHeader(const std::string& path)
     throw InputError(path + ": expected a DICOM mammogram (modality MG), found " +
       (header ? "modality '" + header->Modality + "'" : "no DICOM header"));
   }
-  if (header->SopClassUid.empty() || header->SopInstanceUid.empty() ||
-    header->SeriesInstanceUid.empty() || header->Identity.StudyInstanceUid.empty() ||
-    header->Rows == 0 || header->Columns == 0)
+  std::string missing;
+  for (const auto& [isThere, name] :
+    { std::pair{ !header->SopClassUid.empty(), "SOP Class UID (0008,0016)" },
+      { !header->SopInstanceUid.empty(), "SOP Instance UID (0008,0018)" },
+      { !header->Identity.StudyInstanceUid.empty(), "Study Instance UID (0020,000D)" },
+      { !header->SeriesInstanceUid.empty(), "Series Instance UID (0020,000E)" },
+      { header->Rows > 0, "Rows (0028,0010)" }, { header->Columns > 0, "Columns (0028,0011)" } })
+  {
+    missing += isThere ? "" : (missing.empty() ? "" : ", ") + std::string(name);
+  }
+  if (!missing.empty())
   {
     throw InputError(path +
-      ": expected a mammogram with UIDs of its class, instance, series and study, rows and "
-      "columns, found some of them missing");
+      ": expected a mammogram that other objects can refer to, found none of its " + missing);
   }
   return *header;
 }

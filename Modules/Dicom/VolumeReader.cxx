@@ -201,6 +201,10 @@ SegmentedSlices ReadSegmentation(const std::string& path)
 VolumeSlice ReadSlice(const std::string& name, DcmItem& header, const DicomPixels& pixels,
   std::size_t frame)
 {
+  if (const std::string missing = MissingOfPlace(header); !missing.empty())
+  {
+    throw InputError(name + ": expected a slice with a place in the patient, found no " + missing);
+  }
   const double slope = DicomNumber(header, DCM_RescaleSlope).value_or(1);
   // Some writers store 0 for a slope of 1.
   return { ReadSlicePlace(header), name, pixels.Columns(), pixels.Rows(),

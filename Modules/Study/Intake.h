@@ -134,6 +134,8 @@ struct StudyChoice
   std::vector<std::string> Warnings;
   /// Why nothing can be registered, one line. Empty if something can.
   std::string Refusal;
+  /// The field that settles it, "Laterality" or "ImagePosition". Empty if none does.
+  std::string Remedy;
 
   /// The volume without fat suppression, or else the one that is taken.
   MAMMORAYSTUDY_EXPORT const std::optional<StudySeries>& Mri() const;
@@ -148,10 +150,12 @@ struct StudyChoice
  * 'R', the patient's own; it is also the side of all mammograms if none of them names one. Nothing:
  * the side of all mammograms, with a refusal if they show both. `series`: numbers of the volumes to
  * take (their order in Study::Series, from 1), one without and one with fat suppression at most;
- * empty: those that are chosen. Throws InputError on other numbers, and on volumes without a grid.
+ * empty: those that are chosen. `position`: how the patient lay, in place of what the header says.
+ * Throws InputError on other numbers, and on volumes without a grid.
  */
 MAMMORAYSTUDY_EXPORT StudyChoice ChooseForRegistration(Study study,
-  std::optional<char> laterality = {}, const std::vector<int>& series = {});
+  std::optional<char> laterality = {}, const std::vector<int>& series = {},
+  std::optional<PatientPosition> position = {});
 
 /// Tables of series, with their numbers, and of mammograms, with the reasons of both, for the
 /// terminal.

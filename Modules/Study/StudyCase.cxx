@@ -203,7 +203,8 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   {
     HideNames(study);
   }
-  StudyChoice choice = ChooseForRegistration(std::move(study), laterality, input.Series);
+  StudyChoice choice =
+    ChooseForRegistration(std::move(study), laterality, input.Series, input.ImagePosition);
   choice.Require();
   input.Mammograms.clear();
   for (const auto* view : { &choice.Cc, &choice.Mlo })

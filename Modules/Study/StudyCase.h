@@ -49,11 +49,11 @@ struct StudyTissue
 
 /**
  * Turns a clinic's export into a case: reads its headers, chooses (Intake.h), and sets the case's
- * mammograms and side, the patient's position, the table StudyMaterials if there is none, a chest
- * wall along which the breast slides, StudyChestWallMarginMm and StudyRollSigmaDeg. `laterality`:
- * 'L', 'R', or nothing for the side of all mammograms. Series are described by their numbers unless
- * the case names its inputs. The MRI is segmented when the case runs. Throws InputError, one line,
- * if nothing can be registered; Interrupted.
+ * mammograms and side, the patient's position if the case does not say it, the table StudyMaterials
+ * if there is none, a chest wall along which the breast slides, StudyChestWallMarginMm and
+ * StudyRollSigmaDeg. `laterality`: 'L', 'R', or nothing for the side of all mammograms. Series are
+ * described by their numbers unless the case names its inputs. The MRI is segmented when the case
+ * runs. Throws InputError, one line, if nothing can be registered; Interrupted.
  */
 MAMMORAYSTUDY_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
   RegistrationCase& input, const ProgressCallback& progress = {});

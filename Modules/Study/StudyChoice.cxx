@@ -154,11 +154,19 @@ bool IsOfUse(const StudySeries& series, const StudySeries* suppressed)
     (series.Contrast != ContrastPhase::After && AreOfOnePosition(series, *suppressed));
 }
 
-/// How the patient lay, by the volume that is segmented.
-void SettlePosition(StudyChoice& choice)
+/// How the patient lay, as given or by the volume that is segmented.
+void SettlePosition(std::optional<PatientPosition> given, StudyChoice& choice)
 {
+  if (!choice.Mri())
+  {
+    return;
+  }
   const StudySeries& taken = *choice.Mri();
-  choice.Position = taken.Position;
+  choice.Position = given ? given : taken.Position;
+  if (given)
+  {
+    return;
+  }
   if (!taken.Position && taken.Header.PatientPosition.empty())
   {
     choice.Warnings.emplace_back(
@@ -168,6 +176,7 @@ void SettlePosition(StudyChoice& choice)
   {
     choice.Refusal = "expected an MRI of a patient prone or supine, found the position " +
       taken.Header.PatientPosition + " in '" + taken.Description + "'";
+    choice.Remedy = "ImagePosition";
   }
 }
 
@@ -200,7 +209,6 @@ void TakeTissue(StudyChoice& choice, const std::vector<int>& numbers)
     }
     place = series;
   }
-  SettlePosition(choice);
 }
 
 void ChooseTissue(StudyChoice& choice)
@@ -254,7 +262,6 @@ void ChooseTissue(StudyChoice& choice)
       series->Reason = WhyNotTaken(*series, *BestOf(candidates, series->Fat), choice);
     }
   }
-  SettlePosition(choice);
 }
 
 /// Settles the side: the one asked for, or that of all mammograms that can be registered. If none
@@ -350,7 +357,9 @@ void StudyChoice::Require() const
 {
   if (!this->Refusal.empty())
   {
-    throw InputError(this->Refusal);
+    throw InputError(this->Refusal,
+      { this->Remedy, "",
+        this->Remedy.empty() ? std::vector<std::string>() : std::vector{ this->Remedy } });
   }
 }
 
@@ -374,7 +383,7 @@ StudySeries& VolumeOfNumber(Study& study, int number)
 }
 
 StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality,
-  const std::vector<int>& series)
+  const std::vector<int>& series, std::optional<PatientPosition> position)
 {
   if (laterality && *laterality != 'L' && *laterality != 'R')
   {
@@ -393,9 +402,12 @@ StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality,
   {
     TakeTissue(choice, series);
   }
+  SettlePosition(position, choice);
   if (choice.Refusal.empty() && !choice.Cc && !choice.Mlo)
   {
     choice.Refusal = WhyNoViews(choice);
+    choice.Remedy =
+      choice.Laterality == '?' && !choice.Found.Mammograms.empty() ? "Laterality" : "";
   }
   const std::vector<std::string>& damaged = choice.Found.Damaged;
   choice.Warnings.insert(choice.Warnings.end(), damaged.begin(), damaged.end());

@@ -119,3 +119,15 @@ TEST(DicomForms, ADataSetWithoutPreambleIsDicom)
   other.append(300, 'x');
   EXPECT_FALSE(ReadDicomHeader(folder.Write("other", other)));
 }
+
+TEST(DicomForms, RefusalsNameAllThatIsMissing)
+{
+  MadeUpStudy files;
+  files.Add(MadeUpMr("1.2.5", "t1").Remove(0x20, 0x37).Remove(0x28, 0x30), "MR");
+  EXPECT_THAT(RefusalOf([&] { ReadIntensityVolume(files.File("MR")); }),
+    HasSubstr("found no Image Position (0020,0032), Image Orientation (0020,0037), Pixel Spacing "
+              "(0028,0030)"));
+  files.Add(MadeUpMammogram("L", "CC"), "MG");
+  EXPECT_THAT(RefusalOf([&] { ReadMammogramHeader(files.File("MG/IM2")); }),
+    HasSubstr("found none of its Study Instance UID (0020,000D)"));
+}

@@ -368,6 +368,11 @@ TEST(Intake, HowThePatientLay)
   side.AddSlices(MadeUpMr("1.2.5", "t1").Set(0x18, 0x5100, "CS", "HFDR"));
   AddViews(side, "L");
   EXPECT_THAT(StudyRefusal(side), HasSubstr("found the position HFDR"));
+  EXPECT_THAT(StudyRefusal(side), testing::EndsWith("; set ImagePosition"));
+  const StudyChoice told =
+    ChooseForRegistration(ReadStudy(side.Folder()), {}, {}, PatientPosition::Prone);
+  EXPECT_EQ(told.Refusal, "");
+  EXPECT_EQ(told.Position, PatientPosition::Prone);
   MadeUpStudy unsaid;
   unsaid.AddSlices(MadeUpMr("1.2.5", "t1").Remove(0x18, 0x5100));
   AddViews(unsaid, "L");

@@ -289,6 +289,22 @@ SlicePlace ReadSlicePlace(DcmItem& data)
     between > 0 ? between : std::max(thickness, 0.0) };
 }
 
+std::string MissingOfPlace(DcmItem& data)
+{
+  const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
+  std::string missing;
+  for (const auto& [isThere, name] :
+    { std::pair{ !DicomNumbers(data, DCM_ImagePositionPatient, 3).empty(),
+        "Image Position (0020,0032)" },
+      { !DicomNumbers(data, DCM_ImageOrientationPatient, 6).empty(),
+        "Image Orientation (0020,0037)" },
+      { !spacing.empty() && spacing[0] > 0 && spacing[1] > 0, "Pixel Spacing (0028,0030)" } })
+  {
+    missing += isThere ? "" : (missing.empty() ? "" : ", ") + std::string(name);
+  }
+  return missing;
+}
+
 DicomIdentity ReadIdentity(DcmItem& data)
 {
   DicomIdentity identity;

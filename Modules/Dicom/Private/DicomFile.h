@@ -33,6 +33,9 @@ enum class DicomExtent
   Elements
 };
 
+/// What a slice lacks of a place in the patient (ReadSlicePlace), for messages. Empty: nothing.
+std::string MissingOfPlace(DcmItem& data);
+
 /// A DICOM file, parsed by DCMTK: preamble, meta information and data set.
 class DicomFile
 {

@@ -23,8 +23,8 @@ void CheckPlace(const VolumeSlice& slice)
   if (!slice.Position)
   {
     throw InputError(slice.Name +
-      ": expected image position, orientation and a positive pixel spacing, found some of them "
-      "missing");
+      ": expected Image Position (0020,0032), Image Orientation (0020,0037) and a positive Pixel "
+      "Spacing (0028,0030), found some of them missing");
   }
   constexpr double farthest = 1e6; // mm
   // A hundredth: what few decimals leave of a direction's length.
