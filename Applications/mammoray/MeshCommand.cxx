@@ -10,14 +10,18 @@
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
 #include "mammoray/Study/MeshCase.h"
 
+#include "vtkNew.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #endif
 
 namespace mammoray
@@ -37,6 +41,9 @@ struct MeshArguments
   CLI::Option* CellSize = nullptr;
   std::string Output;
   std::string Check;
+  std::string Repair;
+  std::optional<double> WeldMm;
+  std::optional<double> LongestHoleMm;
   std::string Report;
   std::string CutPicture;
 };
@@ -68,6 +75,16 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
     ".msh .glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each "
     "kind "
     "of defect)");
+  CLI::Option* repair = add.File("--repair", arguments.Repair,
+    "mend this surface of one material instead, into --output (.vtp .stl .ply .obj)\n(points are "
+    "welded, triangles that are flat or there twice left out, the others turned alike and "
+    "outwards, small holes closed; what was changed is told, and what is left as by --check)");
+  add("--weld", arguments.WeldMm, Positive("mm"),
+    "points so near to each other become one (default: 1e-7 of the extent)")
+    ->needs(repair);
+  add("--close-holes", arguments.LongestHoleMm, NonNegative("mm"),
+    "longest border of a hole that is closed (default: a tenth of the extent)")
+    ->needs(repair);
   add("--report", arguments.Report,
     "write volumes, cell quality and troubles with their places (.json)");
   add("--cut-picture", arguments.CutPicture,
@@ -219,6 +236,22 @@ void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
     check.Triangles);
 }
 
+/// Writes the lines of a check's defects and ends in the last of them, exit code 1.
+void RefuseDefects(const MeshCheck& check, const std::string& path,
+  const std::vector<std::string>& names)
+{
+  for (const MeshDefect& defect : check.Defects)
+  {
+    // The last one becomes the error message.
+    const ConvergenceError error(path + ": " + defect.Text(names));
+    if (&defect == &check.Defects.back())
+    {
+      throw error;
+    }
+    std::fprintf(stderr, "mammoray: %s\n", error.what());
+  }
+}
+
 /// Every defect on a line of its own; those of a mesh that is not sound end in exit code 1.
 void RunCheck(const MeshArguments& arguments)
 {
@@ -242,17 +275,48 @@ void RunCheck(const MeshArguments& arguments)
   }
   WriteReportFiles(arguments, CheckReport(check, names), names, grid);
   PrintCheck(check, names);
-  for (const MeshDefect& defect : check.Defects)
-  {
-    // The last one becomes the error message.
-    const ConvergenceError error(arguments.Check + ": " + defect.Text(names));
-    if (&defect == &check.Defects.back())
-    {
-      throw error;
-    }
-    std::fprintf(stderr, "mammoray: %s\n", error.what());
-  }
+  RefuseDefects(check, arguments.Check, names);
   std::printf("sound: every cell is upright, every boundary a closed surface\n");
+}
+
+/// Positions are doubles where the format has them.
+vtkSmartPointer<vtkPolyData> ToExactPolyData(const SurfaceMesh& surface)
+{
+  auto exact = ToPolyData(surface, {});
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (std::size_t point = 0; point < surface.NumberOfPoints(); ++point)
+  {
+    points->InsertNextPoint(&surface.Points[3 * point]);
+  }
+  exact->SetPoints(points);
+  return exact;
+}
+
+/// Mends a surface, writes it, and tells what was changed and what is left.
+void RunRepair(const MeshArguments& arguments)
+{
+  if (arguments.Output.empty())
+  {
+    throw CLI::RequiredError("--output");
+  }
+  CheckOutputFile(arguments.Output);
+  CheckReportFiles(arguments);
+  const RepairedSurface repaired =
+    RepairSurface(ReadSurface(arguments.Repair), arguments.WeldMm, arguments.LongestHoleMm);
+  const MeshCheck check = CheckSurface(repaired.Surface, MakeProgressBar());
+  WriteMesh(ToExactPolyData(repaired.Surface), arguments.Output);
+  if (!arguments.Report.empty())
+  {
+    WriteAtomicFile(arguments.Report, CheckReport(check, {}));
+  }
+  std::printf("%zu points welded, %zu flat and %zu doubled triangles left out, %zu turned, %zu "
+              "holes closed, %zu left\n",
+    repaired.WeldedPoints, repaired.FlatTriangles, repaired.DoubledTriangles,
+    repaired.TurnedTriangles, repaired.ClosedHoles, repaired.OpenHoles);
+  PrintCheck(check, {});
+  RefuseDefects(check, arguments.Output, {});
+  std::printf("sound: every boundary a closed surface\n");
 }
 
 VolumeUnit UnitOf(const MeshCaseResult& result)
@@ -322,7 +386,7 @@ void CheckArguments(const MeshArguments& arguments)
   const bool fromSurfaces = !arguments.Surfaces.empty();
   if (fromSurfaces == !arguments.Case.Labels.Path.empty())
   {
-    throw CLI::RequiredError("one of --labels, --surface and --check");
+    throw CLI::RequiredError("one of --labels, --surface, --check and --repair");
   }
   if ((arguments.Case.Materials.empty() && !fromSurfaces) || arguments.Output.empty())
   {
@@ -334,9 +398,9 @@ void CheckArguments(const MeshArguments& arguments)
 
 void Run(MeshArguments& arguments)
 {
-  if (!arguments.Check.empty())
+  if (!arguments.Check.empty() || !arguments.Repair.empty())
   {
-    RunCheck(arguments);
+    arguments.Check.empty() ? RunRepair(arguments) : RunCheck(arguments);
     return;
   }
   CheckArguments(arguments);

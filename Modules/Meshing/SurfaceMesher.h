@@ -5,6 +5,8 @@
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/Meshing/LabelMesher.h"
 
+#include <optional>
+
 namespace mammoray
 {
 /**
@@ -50,6 +52,33 @@ MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& mat
  */
 MAMMORAYMESHING_EXPORT LabelVolume LabelSurfaces(const SurfaceMesh& surfaces, double voxelMm,
   const ProgressCallback& progress = {});
+
+/// A surface of one material in air after RepairSurface, and what was changed.
+struct RepairedSurface
+{
+  SurfaceMesh Surface;
+  /// Points that became one with another.
+  std::size_t WeldedPoints = 0;
+  /// Triangles that were left out: without area, and there twice in either sense.
+  std::size_t FlatTriangles = 0;
+  std::size_t DoubledTriangles = 0;
+  /// Triangles that were turned.
+  std::size_t TurnedTriangles = 0;
+  std::size_t ClosedHoles = 0;
+  /// Holes with longer borders.
+  std::size_t OpenHoles = 0;
+};
+
+/**
+ * Makes a closed surface of triangles of one material, as far as it can be: welds points within a
+ * distance (default: 1e-7 of the surface's extent), leaves out triangles that are flat or there
+ * twice, turns the others alike and outwards (inwards around hollows), and closes holes whose
+ * border is at most as long as that (default: a tenth of the extent), by CGAL's
+ * Polygon_mesh_processing. Parts that cross each other stay as they are; all point outwards then.
+ * Throws InputError on a surface of several materials.
+ */
+MAMMORAYMESHING_EXPORT RepairedSurface RepairSurface(const SurfaceMesh& surface,
+  const std::optional<double>& weldMm = {}, const std::optional<double>& longestHoleMm = {});
 }
 
 #endif

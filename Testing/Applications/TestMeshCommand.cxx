@@ -274,6 +274,45 @@ TEST_F(MeshCommand, RefusesInOneLine)
   EXPECT_EQ(this->Run("mesh --labels"), 2);
 }
 
+TEST_F(MeshCommand, RepairsASurface)
+{
+  // A cube of quads, one of them turned, one there twice, every corner with points of its own.
+  const int faces[][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
+    { 6, 2, 0, 4 }, { 1, 3, 7, 5 }, { 1, 3, 7, 5 } };
+  std::string text;
+  for (const auto& face : faces)
+  {
+    for (const int corner : face)
+    {
+      text += "v " + std::to_string(10 * (corner & 1)) + " " +
+        std::to_string(10 * (corner >> 1 & 1)) + " " + std::to_string(10 * (corner >> 2)) + "\n";
+    }
+    text += "f -4 -3 -2 -1\n";
+  }
+  const std::string bad = this->Folder.Write("bad.obj", text);
+  EXPECT_EQ(this->Run("mesh --check " + bad), 1);
+  const std::string good = this->Folder.File("good.vtp");
+  ASSERT_EQ(this->Run("mesh --repair " + bad + " -o " + good), 0) << this->Errors;
+  EXPECT_THAT(this->Output,
+    testing::HasSubstr("20 points welded, 0 flat and 2 doubled triangles left out, 2 turned"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("sound: every boundary"));
+  EXPECT_EQ(this->Run("mesh --check " + good), 0) << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("1.000"));
+  EXPECT_EQ(this->Run("mesh --repair " + bad), 2);
+  EXPECT_EQ(this->Run("mesh --weld 1 --check " + bad), 2);
+  // Half of a face is open: its border of 34 mm is left unless it is asked for.
+  const std::string open = this->Folder.Write("open.obj",
+    "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 10 10 0\nv 0 0 10\nv 10 0 10\nv 0 10 10\nv 10 10 10\n"
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8\n");
+  const std::string whole = this->Folder.File("whole.stl");
+  EXPECT_EQ(this->Run("mesh --repair " + open + " -o " + whole), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("1 holes in the boundary"));
+  EXPECT_EQ(this->Run("mesh --repair " + open + " --close-holes 40 --overwrite -o " + whole), 0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("1 holes closed, 0 left"));
+  EXPECT_EQ(this->Run("mesh --check " + whole), 0) << this->Errors;
+}
+
 TEST_F(MeshCommand, ConfigurationRoundTrips)
 {
   const std::string arguments =

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
+#include "SurfaceShapes.h"
+#include "mammoray/Meshing/MeshCheck.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace mammoray;
+
+namespace
+{
+SurfaceMesh Ball(double radius = 5)
+{
+  SurfaceMesh ball;
+  shapes::AddSphere(ball, { 10, 20, 30 }, radius, 2, 1);
+  return ball;
+}
+
+/// Every triangle with points of its own, each up to `byMm` beside its place.
+SurfaceMesh Apart(const SurfaceMesh& surface, double byMm)
+{
+  SurfaceMesh apart;
+  for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+  {
+    std::uint32_t ids[3];
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      const double step = byMm * std::sin(static_cast<double>(3 * triangle + corner));
+      ids[corner] =
+        shapes::AddPoint(apart, surface.Corner(triangle, corner) + Vector3{ step, 0, 0 });
+    }
+    shapes::AddTriangle(apart, ids[0], ids[1], ids[2], 1, 0);
+  }
+  return apart;
+}
+
+void Turn(SurfaceMesh& surface, std::size_t triangle)
+{
+  std::swap(surface.Triangles[3 * triangle], surface.Triangles[3 * triangle + 1]);
+}
+
+void Remove(SurfaceMesh& surface, std::size_t triangle)
+{
+  const auto begin = surface.Triangles.begin() + static_cast<std::ptrdiff_t>(3 * triangle);
+  surface.Triangles.erase(begin, begin + 3);
+  surface.FrontMaterials.pop_back();
+  surface.BackMaterials.pop_back();
+}
+
+/// Sound, with this volume and, along lines through it, the chords of the other.
+void ExpectSame(const SurfaceMesh& surface, const SurfaceMesh& other, double tolerance)
+{
+  const MeshCheck check = CheckSurface(surface);
+  EXPECT_TRUE(check.Sound()) << (check.Sound() ? "" : check.Defects.front().Text({}));
+  EXPECT_NEAR(check.Materials.at(0).VolumeMm3, CheckSurface(other).Materials.at(0).VolumeMm3,
+    tolerance * 100);
+  for (const double shift : { -2.1, 0.3, 3.7 })
+  {
+    const Vector3 from{ 10 + shift, 20.2, -100 };
+    const Vector3 to{ 10.1 + shift, 20.4, 100 };
+    const std::vector<double> chords = shapes::ReferenceLengths(surface, from, to);
+    ASSERT_EQ(chords.size(), 2u);
+    EXPECT_NEAR(chords[1], shapes::ReferenceLengths(other, from, to)[1], tolerance) << shift;
+  }
+}
+}
+
+TEST(SurfaceRepair, WhatIsSoundStays)
+{
+  const SurfaceMesh ball = Ball();
+  const RepairedSurface repaired = RepairSurface(ball);
+  EXPECT_EQ(repaired.WeldedPoints + repaired.FlatTriangles + repaired.DoubledTriangles +
+      repaired.TurnedTriangles + repaired.ClosedHoles + repaired.OpenHoles,
+    0u);
+  EXPECT_EQ(repaired.Surface.NumberOfPoints(), ball.NumberOfPoints());
+  EXPECT_EQ(repaired.Surface.NumberOfTriangles(), ball.NumberOfTriangles());
+  ExpectSame(repaired.Surface, ball, 1e-9);
+}
+
+TEST(SurfaceRepair, PointsAreWeldedWithinATolerance)
+{
+  const SurfaceMesh ball = Ball();
+  const SurfaceMesh apart = Apart(ball, 1e-4);
+  ASSERT_TRUE(CheckSurface(apart).Find(MeshDefect::Kind::Holes));
+  const RepairedSurface repaired = RepairSurface(apart, 1e-3);
+  EXPECT_EQ(repaired.WeldedPoints, apart.NumberOfPoints() - ball.NumberOfPoints());
+  EXPECT_EQ(repaired.Surface.NumberOfPoints(), ball.NumberOfPoints());
+  ExpectSame(repaired.Surface, ball, 1e-3);
+}
+
+TEST(SurfaceRepair, DoubledFlatAndTurnedTrianglesAreMended)
+{
+  const SurfaceMesh ball = Ball();
+  SurfaceMesh bad = ball;
+  for (const std::size_t triangle : { 3, 40, 41, 200 })
+  {
+    Turn(bad, triangle);
+  }
+  const std::uint32_t* ids = &ball.Triangles[3 * 77];
+  shapes::AddTriangle(bad, ids[1], ids[2], ids[0], 1, 0);
+  shapes::AddTriangle(bad, ids[1], ids[0], ids[2], 1, 0);
+  shapes::AddTriangle(bad, ids[1], ids[1], ids[2], 1, 0);
+  const RepairedSurface repaired = RepairSurface(bad);
+  EXPECT_EQ(repaired.DoubledTriangles, 2u);
+  EXPECT_EQ(repaired.FlatTriangles, 1u);
+  EXPECT_EQ(repaired.TurnedTriangles, 4u);
+  ExpectSame(repaired.Surface, ball, 1e-9);
+  // All turned inside out; a hollow is turned inwards.
+  SurfaceMesh inside = ball;
+  for (std::size_t triangle = 0; triangle < inside.NumberOfTriangles(); ++triangle)
+  {
+    Turn(inside, triangle);
+  }
+  EXPECT_EQ(RepairSurface(inside).TurnedTriangles, ball.NumberOfTriangles());
+  ExpectSame(RepairSurface(inside).Surface, ball, 1e-9);
+  SurfaceMesh hollow = ball;
+  shapes::AddSphere(hollow, { 10, 20, 30 }, 2, 2, 1);
+  const double volume = CheckSurface(ball).Materials.at(0).VolumeMm3 * (1 - 8.0 / 125);
+  EXPECT_NEAR(CheckSurface(RepairSurface(hollow).Surface).Materials.at(0).VolumeMm3, volume,
+    1e-9 * volume);
+}
+
+TEST(SurfaceRepair, SmallHolesAreClosed)
+{
+  const SurfaceMesh ball = Ball();
+  SurfaceMesh open = ball;
+  Remove(open, 250);
+  Remove(open, 30);
+  RepairedSurface repaired = RepairSurface(open, {}, 20);
+  EXPECT_EQ(repaired.ClosedHoles, 2u);
+  EXPECT_EQ(repaired.OpenHoles, 0u);
+  ExpectSame(repaired.Surface, ball, 1e-9);
+  // Their borders are some 4 mm long.
+  repaired = RepairSurface(open, {}, 1);
+  EXPECT_EQ(repaired.ClosedHoles, 0u);
+  EXPECT_EQ(repaired.OpenHoles, 2u);
+}
+
+TEST(SurfaceRepair, RefusesWhatItCannotMend)
+{
+  SurfaceMesh two = Ball();
+  shapes::AddSphere(two, { 30, 20, 30 }, 2, 1, 2);
+  EXPECT_THAT(test::RefusalOf([&] { RepairSurface(two); }),
+    testing::HasSubstr("expected one material to repair, found 2"));
+  EXPECT_THAT(test::RefusalOf([&] { RepairSurface(Ball(), -1); }), testing::HasSubstr("to weld"));
+}
