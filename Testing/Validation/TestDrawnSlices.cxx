@@ -65,9 +65,9 @@ TEST(DrawnSlices, MeasureAShiftExactly)
     // Lengths of 30 and 29 mm with 28 in common, and of 10 with 8 in common: samples fit the grid.
     EXPECT_NEAR(agreement.BreastDice, 56.0 / 59, 1e-12);
     EXPECT_NEAR(agreement.GlandDice, 0.8, 1e-12);
-    EXPECT_NEAR(agreement.Outline.MeanMm, 2, 1e-9);
-    EXPECT_NEAR(agreement.Outline.Quantile95Mm, 2, 1e-9);
     // The nearest border points are up to a quarter of a millimetre beside a drawn one.
+    EXPECT_NEAR(agreement.Outline.MeanMm, 2, 0.02);
+    EXPECT_NEAR(agreement.Outline.Quantile95Mm, 2, 0.02);
     EXPECT_NEAR(agreement.ChestWall.MeanMm, 1, 0.02);
     EXPECT_NEAR(agreement.ChestWall.Quantile95Mm, 1, 0.05);
   }

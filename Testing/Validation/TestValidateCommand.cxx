@@ -168,7 +168,7 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
   fs::create_directories(mri + "z/subtraction");
   fs::create_directories(this->Folder.File("drawn"));
   this->Folder.Write("drawn/y.json", HalfBallDrawn());
-  const std::string out = this->Folder.File("out");
+  const std::string out = this->Folder.File("patients");
   const std::string command =
     "patients --data " + data + " --truth " + this->Folder.File("drawn") + " -o " + out;
   ASSERT_EQ(this->Run(command), 0) << this->Errors;
@@ -194,9 +194,9 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
   EXPECT_NEAR(std::stod(values[2]), 276, 30);
   EXPECT_NEAR(std::stod(values[3]), 100 * 7.2 / 276, 0.8);
   // Half a voxel of 2 mm all over the surface costs 1 mm.
-  EXPECT_GT(std::stod(values[4]), 0.97);
+  EXPECT_GT(std::stod(values[4]), 0.96);
   EXPECT_GT(std::stod(values[5]), 0.85);
-  EXPECT_LT(std::stod(values[6]), 1);
+  EXPECT_LT(std::stod(values[6]), 1.2);
   EXPECT_LT(std::stod(values[8]), 1.5);
   EXPECT_THAT(ReadFile(out + "/patients.png"), testing::StartsWith("\x89PNG"));
   EXPECT_TRUE(fs::exists(out + "/y.nrrd"));
