@@ -27,7 +27,10 @@
 #include "vtkUnstructuredGridWriter.h"
 #include "vtkXMLUnstructuredGridWriter.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <utility>
@@ -165,8 +168,8 @@ void ReadPictureOfBreast(const std::string& path)
   ReadMammogramPicture(path, { .PixelSpacingMm = 0.1, .View = "CC", .Laterality = 'L' });
 }
 
-/// Two slices of 8 x 6 bits of one segment.
-std::string SegmentationBytes()
+/// Two slices of 8 x 6 pixels of one segment: bits, fractions of 200 or, with `isMap`, its number.
+std::string SegmentationBytes(std::uint32_t bits = 1, bool isMap = false)
 {
   using namespace test;
   std::vector<std::string> groups;
@@ -185,10 +188,48 @@ std::string SegmentationBytes()
       Element(8, 0x60, "CS", "SEG") + Element(0x28, 2, "US", Us(1)) +
       Element(0x28, 4, "CS", "MONOCHROME2") + Element(0x28, 8, "IS", "2") +
       Element(0x28, 0x10, "US", Us(6)) + Element(0x28, 0x11, "US", Us(8)) +
-      Element(0x28, 0x100, "US", Us(1)) + Element(0x28, 0x101, "US", Us(1)) +
-      Element(0x28, 0x102, "US", Us(0)) + Element(0x28, 0x103, "US", Us(0)) +
+      Element(0x28, 0x100, "US", Us(bits)) + Element(0x28, 0x101, "US", Us(bits)) +
+      Element(0x28, 0x102, "US", Us(bits - 1)) + Element(0x28, 0x103, "US", Us(0)) +
+      (isMap ? Element(0x62, 1, "CS", "LABELMAP") : "") +
+      Sequence(0x62, 2, { Element(0x62, 4, "US", Us(1)) + Element(0x62, 5, "LO", "gland") }) +
+      (bits == 8 && !isMap ? Element(0x62, 0xe, "US", Us(200)) : "") +
       Sequence(0x5200, 0x9229, { shared }) + Sequence(0x5200, 0x9230, groups) +
-      Element(0x7fe0, 0x10, "OB", "MammoRay seg"));
+      Element(0x7fe0, 0x10, "OB",
+        bits == 1 ? "MammoRay seg"
+                  : std::string(48, isMap ? '\1' : '\xc8') + std::string(48, '\0')));
+}
+
+/// 4 x 3 x 2 voxels whose sform is sheared and whose qform is another.
+std::string NiftiBytes()
+{
+  std::string bytes(352 + 24, '\1');
+  std::fill_n(bytes.begin(), 352, '\0');
+  const auto put = [&bytes](std::size_t offset, auto value)
+  { std::memcpy(bytes.data() + offset, &value, sizeof value); };
+  put(0, std::int32_t{ 348 });
+  for (const auto& [offset, value] : { std::pair{ 40, 3 }, { 42, 4 }, { 44, 3 }, { 46, 2 },
+         { 70, 2 }, { 72, 8 }, { 252, 2 }, { 254, 1 } })
+  {
+    put(static_cast<std::size_t>(offset), static_cast<std::int16_t>(value));
+  }
+  for (const auto& [offset, value] : { std::pair{ 76, 1.F }, { 80, 1.F }, { 84, 1.F }, { 88, 2.F },
+         { 108, 352.F }, { 268, 5.F }, { 280, 1.F }, { 284, 0.1F }, { 300, 1.F }, { 320, 2.F } })
+  {
+    put(static_cast<std::size_t>(offset), value);
+  }
+  bytes[123] = 2;
+  std::memcpy(bytes.data() + 344, "n+1", 4);
+  return bytes;
+}
+
+/// Two layers of 2 x 2 x 1 voxels, as 3D Slicer writes them.
+std::string LayersBytes()
+{
+  return "NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 2 2 1\n"
+         "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\n"
+         "encoding: raw\nspace origin: (0,0,0)\nSegment0_Name:=fat\nSegment0_LabelValue:=1\n"
+         "Segment0_Layer:=0\nSegment1_Name:=gland\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n\n" +
+    std::string("\1\0\1\1\0\1\0\0", 8);
 }
 
 /// Writes what is read as volumes, labels and meshes.
@@ -200,6 +241,9 @@ void WriteVolumes(
   WriteLabelVolume(SomeLabels(), place("labels.nrrd", labels));
   WriteLabelVolume(SomeLabels(), place("labels.mha", labels));
   WriteLabelVolume(SomeLabels(), place("labels.nii.gz", labels));
+  std::ofstream(place("forms.nii", labels), std::ios::binary) << NiftiBytes();
+  std::ofstream(place("image.nii", intensities), std::ios::binary) << NiftiBytes();
+  std::ofstream(place("layers.seg.nrrd", labels), std::ios::binary) << LayersBytes();
   WriteIntensityVolume(SomeIntensities(), place("volume.nrrd", intensities));
   vtkNew<vtkImageData> image;
   image->SetDimensions(9, 8, 7);
@@ -280,11 +324,19 @@ std::vector<Format> MakeFormats(const std::string& folder)
   std::ofstream(place("segments.dcm", [](const std::string& path) { ReadLabelVolume(path); }),
     std::ios::binary)
     << SegmentationBytes();
+  std::ofstream(place("fractions.dcm", [](const std::string& path) { ReadLabelVolume(path); }),
+    std::ios::binary)
+    << SegmentationBytes(8);
+  std::ofstream(place("map.dcm", [](const std::string& path) { ReadLabelVolume(path); }),
+    std::ios::binary)
+    << SegmentationBytes(8, true);
   const std::string data = test::DataFolder();
   std::filesystem::copy_file(data + "/materials/victre.json",
     place("materials.json", [](const std::string& path) { ReadMaterialTable(path); }));
   std::filesystem::copy_file(data + "/spectra/W28kVp_Rh50um_Be1mm.spc",
     place("spectrum.spc", [](const std::string& path) { FindSpectrum(path); }));
+  std::ofstream(place("spectrum.csv", [](const std::string& path) { FindSpectrum(path); }))
+    << "E [keV];N per keV;centre\n10,5;1,0\n11,5;2,5\n13,0;0,5\n";
   for (Format& format : formats)
   {
     format.Bytes = test::ReadFile(folder + "/" + format.Name);

@@ -9,6 +9,7 @@
 #include "Private/SpectrumIO.h"
 #include "Private/StoredVoxels.h"
 #include "Private/SurfaceFiles.h"
+#include "Private/VolumePlacement.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomNetwork.h"
 #include "mammoray/Dicom/DicomReader.h"
@@ -206,6 +207,17 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
     { "segments",
       OfFile("a.nrrd", [](const std::string& path) { ReadSegments(TextHeader::ReadNrrd(path)); }) },
+    { "nifti",
+      OfFile("a.nii",
+        [](const std::string& path)
+        {
+          LabelVolume volume;
+          volume.Size = { 4, 3, 2 };
+          TakeNiftiPlacement(path, NiftiHeader(path), volume);
+          volume.Voxels.assign(24, 1);
+          Straighten(path, volume);
+          volume.Validate(path);
+        }) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
     { "obj", OfFile("a.obj", [](const std::string& path) { ToTriangles(ReadObj(path)); }) },
     { "ply", OfFile("a.ply", [](const std::string& path) { ToTriangles(ReadPly(path)); }) },
@@ -221,6 +233,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "result", OfFile(ResultFileName, ReadResult) },
     { "scene", OfFile("a.json", [](const std::string& path) { ReadScene(path); }) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
+    { "spectrum-table", OfFile("a.csv", [](const std::string& path) { ReadSpectrum(path); }) },
     { "stl", OfFile("a.stl", [](const std::string& path) { ToTriangles(ReadStl(path)); }) },
     { "study", Refusing(ReadExport) },
   };

@@ -74,6 +74,7 @@ bool IsOneLine(const std::string& text)
   dup2(said, STDERR_FILENO);
   Outcome outcome = Outcome::Taken;
   std::string message;
+  const NoteKeeper notes; // which may be said beside the answer
   try
   {
     format.Read(path);
@@ -89,7 +90,8 @@ bool IsOneLine(const std::string& text)
     outcome = Outcome::OtherError;
   }
   std::fflush(stdout);
-  if (lseek(said, 0, SEEK_END) > 0 && outcome != Outcome::OtherError)
+  const bool areLines = std::all_of(notes.Lines.begin(), notes.Lines.end(), IsOneLine);
+  if ((lseek(said, 0, SEEK_END) > 0 || !areLines) && outcome != Outcome::OtherError)
   {
     outcome = Outcome::Talked;
   }

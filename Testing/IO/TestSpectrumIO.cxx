@@ -116,6 +116,7 @@ TEST(SpectrumIO, OtherTablesAreRefusedByLine)
   EXPECT_THAT(refusal("0 3\n"), testing::HasSubstr("at least two edges"));
   EXPECT_THAT(refusal("0 -1\n"), testing::HasSubstr("at least two edges"));
   EXPECT_THAT(refusal("0 0\n10\n"), testing::HasSubstr("photons"));
+  EXPECT_THAT(refusal("20 1\n15 2\n10\n"), testing::HasSubstr("line 2: expected a positive"));
   // Our own form in another unit.
   const TemporaryFolder folder;
   EXPECT_THAT(SpectrumRefusal(folder.Write("k.spc", "10 1\n28 -1\n")),

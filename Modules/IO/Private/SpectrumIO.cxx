@@ -343,7 +343,8 @@ Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
   std::vector<EnergyTable::Row>& rows = table.Rows;
   const bool isEnded = rows.back().Numbers.size() == 2 && rows.back().Numbers[1] < 0;
   CheckRows(table, isEnded);
-  if (rows.front().Numbers[0] > rows.back().Numbers[0])
+  const bool isWhole = !isEnded && rows.back().Numbers.size() > 1;
+  if (isWhole && rows.front().Numbers[0] > rows.back().Numbers[0])
   {
     std::reverse(rows.begin(), rows.end());
   }

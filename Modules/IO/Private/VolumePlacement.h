@@ -4,6 +4,7 @@
 #define mammoray_Private_VolumePlacement_h
 
 #include "mammoray/Foundation/Volumes.h"
+#include "mammorayIOModule.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +16,7 @@
 namespace mammoray
 {
 /// The header of a NIfTI-1 file of its own (magic n+1), which may be compressed.
-class NiftiHeader
+class MAMMORAYIO_EXPORT NiftiHeader
 {
 public:
   /// Throws InputError on another file.
@@ -50,7 +51,8 @@ private:
  * Notes if they differ otherwise by more than half a voxel, and if the size of a voxel is not that
  * of pixdim. Does nothing if the header has neither.
  */
-void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, VolumeGrid& grid);
+MAMMORAYIO_EXPORT void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header,
+  VolumeGrid& grid);
 
 /**
  * Resamples a volume whose axes are up to 17 degrees off right angles (cosine 0.3) to the nearest
@@ -58,7 +60,7 @@ void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, Volu
  * trilinearly, and notes it. The new grid holds all of the old one; 0 beyond it. Does nothing to
  * other axes.
  */
-void Straighten(const std::string& path, LabelVolume& volume);
+MAMMORAYIO_EXPORT void Straighten(const std::string& path, LabelVolume& volume);
 void Straighten(const std::string& path, IntensityVolume& volume);
 }
 
