@@ -47,7 +47,7 @@ inline const SharedOption Image{ "--image",
   InputTypeName };
 inline const SharedOption Labels{ "--labels",
   "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; the "
-  "labels of a segmentation are its segment numbers)",
+  "names of segments, where there are some, decide what they are)",
   InputTypeName };
 inline const SharedOption Lesion{ "--lesion",
   "label volume of lesions, same frame (.nrrd .mha .nii.gz, DICOM SEG)", InputTypeName };
