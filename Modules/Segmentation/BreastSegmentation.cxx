@@ -32,20 +32,33 @@ constexpr double WallMmThick = 6.0;
 constexpr double SideMuscleMm = 10.0;
 /// Voxels this near to the sheet can be muscle in front of it, mm.
 constexpr double NextToWallMm = 3.0;
+/// Tissue this many times as bright as noise shows its skin line to a voxel.
+constexpr float ClarityOfSkin = 3.0f;
+/// The coil's sensitivity and the chest wall are each found with the other, so many times.
+constexpr int CoilRounds = 2;
 /// Size of the cubic voxels for outline, chest wall and coil, mm.
 constexpr double WorkMm = 2.0;
-/// Smallest mean step of the logarithm along a chest wall; it is 0.3 in a suppressed image and 1 in
-/// a plain one.
-constexpr double SmallestStep = 0.1;
+/// A tenth of the columns of a breast have at least this step at the chest wall; the step of the
+/// logarithm is 0.3 in a suppressed image and 1 in a plain one.
+constexpr double SmallestLargeStep = 0.1;
 /// Gland is at most this many times as bright as suppressed fat.
 constexpr float BrightestGland = 4.0f;
+/// Fat whose suppression failed, against muscle, and against gland, which is as bright as muscle in
+/// T1; smallest radius of a part, and reach of what surrounds it, mm.
+constexpr double UnsuppressedOverMuscle = 1.6;
+constexpr double UnsuppressedRadiusMm = 3.0;
+constexpr double UnsuppressedReachMm = 5.0;
 /// Smallest ratio of the median intensities of body and air; noise alone has less.
 constexpr double SmallestContrast = 3.0;
 /// Smallest muscle level that can be distinguished from suppressed fat.
 constexpr double DarkestSuppressedMuscle = 1.05;
-/// Fat is dark if the sheet for dark fat has this fraction of the support of the sheet for bright
-/// fat. Measured: 0.55 and 0.94 with suppression, 0.02 to 0.23 without, 0.42 for a virtual patient.
-constexpr double FatDarkSupport = 0.35;
+/// The contrast of an image is clear if the chest wall's step under the other assumption is at most
+/// this fraction of that under the better one. Measured: 0.5 to 0.8, but 0.94 of a dense breast.
+constexpr double LargestOtherContrast = 0.9;
+/// Steps, distances and multiples of noise that count in BreastQuality.
+constexpr float SeenStep = 0.2f;
+constexpr float AgreementMm = 4.0f;
+constexpr float SkinClarity = 3.0f;
 
 /// True if muscle can have this level, as a fraction of fat's.
 bool IsMuscle(double level, bool fatBright)
@@ -127,6 +140,15 @@ private:
   {
     const std::size_t x = voxel % static_cast<std::size_t>(SizeOf(this->Grid())[0]);
     return (static_cast<double>(x) + 0.5) * this->Grid().GetSpacing()[0];
+  }
+  /// True in the axial planes that have a signal.
+  bool IsClear(std::size_t voxel) const
+  {
+    const std::array<int, 3> size = SizeOf(this->Grid());
+    const std::size_t z =
+      voxel / static_cast<std::size_t>(size[0]) / static_cast<std::size_t>(size[1]);
+    const double up = (static_cast<double>(z) + 0.5) * this->Grid().GetSpacing()[2];
+    return up > this->Air.Planes[0] * WorkMm && up < (this->Air.Planes[1] + 1) * WorkMm;
   }
   /// Height above the chest wall's front, mm.
   double AboveChestWallMm(std::size_t voxel) const
@@ -247,30 +269,48 @@ private:
   }
 
   /**
-   * Decides whether fat is bright or dark by searching both sheets. If fat is bright, the fat
-   * behind the skin is the step from dark to bright in front, and no sheet follows it over a
-   * breast. If fat is dark, muscle is brighter everywhere, and its back, towards the lungs, is
-   * darker. Muscle decides: behind the correct sheet it is darker, or brighter, than the fat in
-   * front.
+   * Decides whether fat is bright or dark by following both to the corrected chest wall. Where the
+   * assumption is right, intensities fall there by the whole difference between fat and muscle;
+   * otherwise the sheet follows muscle's back, or gland, and they fall by less.
    */
   void FindContrast()
   {
     const ChestWallSheet dark = this->FindWallOf(false);
-    this->Report(0.45, "find the chest wall");
+    this->Report(0.4, "find the chest wall");
     const ChestWallSheet bright = this->FindWallOf(true);
     const std::vector<Channel> scanned = this->Channels;
-    const auto fits = [&](bool fatBright)
+    const auto follow = [&](bool fatBright)
     {
       this->Channels = scanned;
       this->Channels[0].FatBright = fatBright;
       this->CorrectInFat(fatBright ? bright : dark);
-      return IsMuscle(this->MuscleLevelOf(this->Channels[0]), fatBright);
     };
-    const bool fatBright = dark.Support < FatDarkSupport * bright.Support;
-    if (!fits(fatBright) && !fits(!fatBright))
+    const auto fit = [&](bool fatBright)
     {
-      fits(fatBright); // what is wrong with it is said further on
+      try
+      {
+        follow(fatBright);
+        const bool muscle = IsMuscle(this->MuscleLevelOf(this->Channels[0]), fatBright);
+        return muscle ? this->WorkWall.LargeStep : 0.0;
+      }
+      catch (const InputError&)
+      {
+        return 0.0;
+      }
+    };
+    // The less probable one first: the other one's result is there when it wins.
+    const bool guess = bright.LargeStep > dark.LargeStep;
+    const double other = fit(!guess);
+    const double first = fit(guess);
+    if (other > first)
+    {
+      follow(!guess);
     }
+    else if (first == 0)
+    {
+      follow(guess); // what is wrong with it is said there or further on
+    }
+    this->ContrastIsClear = std::min(first, other) < LargestOtherContrast * std::max(first, other);
   }
 
   /// Sets the sheet and the coronal plane behind which the result is empty.
@@ -297,7 +337,7 @@ private:
       throw InputError("MRI: expected a breast, found tissue that extends at most " +
         NumberText(std::round(farthest)) + " mm in front of the chest wall");
     }
-    if (sheet.Step < SmallestStep)
+    if (sheet.LargeStep < SmallestLargeStep)
     {
       throw InputError("MRI: expected a chest wall, a step between fat and muscle, found none");
     }
@@ -317,32 +357,35 @@ private:
   /// again.
   void CorrectInFat(const ChestWallSheet& sheet)
   {
+    this->FirstWall = sheet.Front;
     this->TakeWall(sheet);
     this->Report(0.55, "even out the coil's sensitivity");
-    const MaskImage::Pointer inner = BeforeSheet(this->Air.Body, sheet, 2 * WorkMm, this->CutMm);
-    std::vector<FloatImage::Pointer> fatness;
-    for (Channel& channel : this->Channels)
+    this->Uncorrected = this->Channels.front().Image;
+    this->HalfSkin =
+      SkinThreshold(this->Air, this->Channels.front().Work, this->Channels.front().FatBright);
+    for (int round = 0; round < CoilRounds; ++round)
     {
-      FloatImage::Pointer level =
-        FindFatLevel(channel.Work, inner, channel.FatBright, !this->Options.CorrectBias);
-      if (!level)
+      const MaskImage::Pointer inner =
+        BeforeSheet(this->Air.Body, this->WorkWall, 2 * WorkMm, this->CutMm);
+      std::vector<FloatImage::Pointer> fatness;
+      for (Channel& channel : this->Channels)
       {
-        throw InputError("MRI: expected a breast, found no tissue in front of the chest wall");
+        const FloatImage::Pointer level =
+          FindFatLevel(channel.Work, inner, channel.FatBright, !this->Options.CorrectBias);
+        if (!level)
+        {
+          throw InputError("MRI: expected a breast, found no tissue in front of the chest wall");
+        }
+        channel.Work = Divide(channel.Work, level);
+        channel.Image = Divide(channel.Image, ResampleLike(level, *channel.Image));
+        channel.MuscleLevel = this->MuscleLevelOf(channel);
+        fatness.push_back(
+          Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));
       }
-      if (&channel == &this->Channels.front())
-      {
-        this->Uncorrected = channel.Image;
-        this->HalfSkin = SkinThreshold(this->Air, channel.Work, channel.FatBright);
-      }
-      channel.Work = Divide(channel.Work, level);
-      channel.Image = Divide(channel.Image, ResampleLike(level, *channel.Image));
-      channel.MuscleLevel = this->MuscleLevelOf(channel);
-      fatness.push_back(
-        Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));
+      // Lung, which is darker than muscle, and brighter tissue no longer produce steps.
+      this->TakeWall(
+        RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->WorkWall.Stiff));
     }
-    // Lung, which is darker than muscle, and brighter tissue no longer produce steps.
-    this->TakeWall(
-      RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->WorkWall.Stiff));
   }
 
   double MuscleLevelOf(const Channel& channel) const
@@ -369,6 +412,46 @@ private:
     }
   }
 
+  /// Measures how well the borders of each breast show.
+  std::vector<BreastQuality> Qualities() const
+  {
+    const HeightMap::Pointer skin = FrontOf(this->Air.Body);
+    const std::array<int, 3> size = SizeOf(*this->Air.Body);
+    std::array<ColumnCounts, 2> sides;
+    for (int z = this->Air.Planes[0]; z <= this->Air.Planes[1]; ++z)
+    {
+      for (int x = 0; x < size[0]; ++x)
+      {
+        const float wall = this->WorkWall.Front->GetPixel({ { x, z } });
+        const float front = skin->GetPixel({ { x, z } });
+        if (front < wall + SmallestBreastMm || front < this->CutMm + SideMuscleMm)
+        {
+          continue;
+        }
+        ColumnCounts& side =
+          sides[this->Breasts == 2 && (x + 0.5) * WorkMm > this->MidlineMm ? 1 : 0];
+        ++side.All;
+        side.Seen += this->WorkWall.Steps->GetPixel({ { x, z } }) >= SeenStep ? 1 : 0;
+        const float other = this->FirstWall->GetPixel({ { x, z } });
+        side.Agreeing += std::abs(wall - other) <= AgreementMm ? 1 : 0;
+        const int y = std::min(size[1] - 1, static_cast<int>(front / WorkMm) - 1);
+        side.Clear += this->Air.Clarity->GetPixel({ { x, y, z } }) >= SkinClarity ? 1 : 0;
+      }
+    }
+    std::vector<BreastQuality> qualities;
+    for (int n = 0; n < this->Breasts; ++n)
+    {
+      const BreastSide side = this->Breasts == 1 ? BreastSide::Both
+        : n == 0                                 ? BreastSide::Right
+                                                 : BreastSide::Left;
+      if (this->Options.Side == BreastSide::Both || this->Options.Side == side)
+      {
+        qualities.push_back(QualityOf(side, sides[static_cast<std::size_t>(n)]));
+      }
+    }
+    return qualities;
+  }
+
   /// Refines the skin line to a voxel, within a few millimetres of the outline: voxels half filled
   /// with skin are body. Voxels at the chest wall are body, however dark, so that no air reaches
   /// the lungs.
@@ -380,13 +463,20 @@ private:
     const FloatImage::Pointer near =
       ResampleLike(ToFloat(Dilate(this->Air.Body, WorkMm)), this->Grid());
     const FloatImage::Pointer half = ResampleLike(this->HalfSkin, this->Grid());
+    const FloatImage::Pointer coarse = ResampleLike(ToFloat(this->Air.Body), this->Grid());
+    const FloatImage::Pointer clarity = ResampleLike(this->Air.Clarity, this->Grid());
     const std::vector<bool> wall = this->WallInBody();
     const MaskImage::Pointer dark = this->Select(
       [&](std::size_t voxel)
       {
         const double above = this->AboveChestWallMm(voxel);
         const double heightMm = this->HeightMm(voxel);
-        const bool atWall = above <= 0 && above > -WallMmThick && wall[this->Column(voxel)];
+        const bool atWall = above <= 0 && wall[this->Column(voxel)];
+        if (clarity->GetBufferPointer()[voxel] < ClarityOfSkin)
+        {
+          return coarse->GetBufferPointer()[voxel] < 0.5f && !atWall &&
+            heightMm > this->CutMm - WallMmThick;
+        }
         const bool tissue = sure->GetBufferPointer()[voxel] > 0.5f ||
           (near->GetBufferPointer()[voxel] > 0.5f &&
             this->Uncorrected->GetBufferPointer()[voxel] >= half->GetBufferPointer()[voxel]);
@@ -479,8 +569,13 @@ private:
     // the new voxel size.
     const double rimMm = this->Options.SkinThicknessMm + this->RimMm;
     const std::array<int, 3> size = SizeOf(this->Grid());
+    const MaskImage::Pointer unsuppressed = this->UnsuppressedFat(depth);
     MaskImage::Pointer dark = this->Select(
-      [&](std::size_t voxel) { return this->MayBeGland(voxel) && this->GlandScore(voxel) > 1; });
+      [&](std::size_t voxel)
+      {
+        return this->MayBeGland(voxel) && !this->Has(unsuppressed, voxel) &&
+          this->GlandScore(voxel) > 1;
+      });
     this->Order.ForEachVoxel(size,
       [&](std::size_t inImage, std::size_t inVolume)
       {
@@ -500,6 +595,38 @@ private:
           labels.Voxels[inVolume] = static_cast<std::uint16_t>(TissueLabel::Gland);
         }
       });
+  }
+
+  /// Fat at the skin whose suppression failed, and its surroundings: brighter than gland.
+  MaskImage::Pointer UnsuppressedFat(const std::vector<float>& depth) const
+  {
+    const Channel& channel = this->Channels.back();
+    if (channel.FatBright)
+    {
+      return this->Select([](std::size_t) { return false; });
+    }
+    MaskImage::Pointer bright = Open(this->Select(
+                                       [&](std::size_t voxel)
+                                       {
+                                         return this->MayBeGland(voxel) &&
+                                           channel.Image->GetBufferPointer()[voxel] >
+                                           UnsuppressedOverMuscle * channel.MuscleLevel;
+                                       }),
+      UnsuppressedRadiusMm);
+    const ComponentImage::Pointer parts = FindComponents(bright, 1);
+    std::vector<bool> atSkin(CountOf(this->Grid()) + 1, false);
+    this->Order.ForEachVoxel(SizeOf(this->Grid()),
+      [&](std::size_t inImage, std::size_t inVolume)
+      {
+        if (depth[inVolume] <= this->SkinReachMm())
+        {
+          atSkin[parts->GetBufferPointer()[inImage]] = true;
+        }
+      });
+    atSkin[0] = false;
+    bright =
+      this->Select([&](std::size_t voxel) { return atSkin[parts->GetBufferPointer()[voxel]]; });
+    return Dilate(bright, UnsuppressedReachMm);
   }
 
   /// Voxels at the sheet can be muscle in front of it; those at the sides of the chest are muscle.
@@ -576,10 +703,30 @@ private:
     result.Contrast = first.FatBright ? FatContrast::FatBright : FatContrast::FatDark;
     result.Breasts = this->Breasts;
     result.Measures.DepthMm = this->DepthMm;
+    result.Quality = this->Qualities();
+    this->TellMissingPlanes(result);
+    if (!this->ContrastIsClear)
+    {
+      result.Warnings.push_back(std::string("fat is taken as ") +
+        (first.FatBright ? "bright" : "dark") +
+        ", and the image does not show it clearly; choose the contrast if you know it");
+    }
     Measure(result);
     Judge(result, this->Options.Side == BreastSide::Both ? this->Breasts : 1,
       this->Options.GlandThreshold > 0);
     return result;
+  }
+
+  void TellMissingPlanes(SegmentationResult& result) const
+  {
+    const int planes = SizeOf(*this->Air.Body)[2];
+    const double feet = this->Air.Planes[0] * WorkMm;
+    const double head = (planes - 1 - this->Air.Planes[1]) * WorkMm;
+    if (feet + head > 0)
+    {
+      result.Warnings.push_back("left out " + NumberText(feet) + " mm at the feet's and " +
+        NumberText(head) + " mm at the head's end, whose tissue is as dark as noise");
+    }
   }
 
   /// Keeps the connected part in front of the cut, of one side if requested.
@@ -593,8 +740,10 @@ private:
         const bool left = this->LeftMm(inImage) > this->MidlineMm;
         const bool side = this->Options.Side == BreastSide::Both ||
           left == (this->Options.Side == BreastSide::Left);
-        kept->GetBufferPointer()[inImage] =
-          labels.Voxels[inVolume] != 0 && side && this->HeightMm(inImage) > this->CutMm ? 1 : 0;
+        kept->GetBufferPointer()[inImage] = labels.Voxels[inVolume] != 0 && side &&
+            this->HeightMm(inImage) > this->CutMm && this->IsClear(inImage)
+          ? 1
+          : 0;
       });
     kept = LargestComponent(kept);
     this->Order.ForEachVoxel(size,
@@ -621,6 +770,8 @@ private:
   FloatImage::Pointer HalfSkin;
   Outline Air;
   ChestWallSheet WorkWall;
+  /// The sheet's front before the coil's correction.
+  HeightMap::Pointer FirstWall;
   HeightMap::Pointer ChestWall;
   /// Columns with a breast in front of the chest wall.
   std::vector<bool> Thick;
@@ -633,6 +784,7 @@ private:
   /// Largest voxel spacing of the MRI, mm.
   double RimMm;
   int Breasts = 0;
+  bool ContrastIsClear = true;
 };
 
 SegmentationResult Segment(const IntensityVolume& image, const IntensityVolume* fatSuppressed,

@@ -89,6 +89,27 @@ struct BreastMeasures
   double GlandOverMuscle = 0;
 };
 
+/**
+ * How well one breast's borders show in the image. "Columns" are those along the posterior
+ * direction through the breast; fractions are in [0, 1].
+ */
+struct BreastQuality
+{
+  /// Both if the volume shows one breast.
+  BreastSide Side = BreastSide::Both;
+  /// Fraction of the columns in which fat ends at the chest wall's front and muscle begins: their
+  /// difference there is at least a fifth of that between fat and muscle.
+  double WallSeen = 0;
+  /// Fraction of the columns in which two ways to find the front agree within 4 mm: from steps of
+  /// the image's logarithm, and from the parts of fat and muscle after the coil's correction.
+  double WallAgreement = 0;
+  /// Fraction of the columns in which the skin's surroundings are at least three times as bright as
+  /// noise; elsewhere the outline is extrapolated.
+  double SkinSeen = 0;
+  /// What to doubt and why, one sentence; empty if the borders show well.
+  std::string Doubt;
+};
+
 struct SegmentationResult
 {
   /// TissueLabel values; the axes are those of the MRI.
@@ -105,7 +126,9 @@ struct SegmentationResult
   /// Number of breasts: 1 or 2.
   int Breasts = 0;
   BreastMeasures Measures;
-  /// Unusual but possible findings with their values, one line each.
+  /// One per breast of the result, right before left.
+  std::vector<BreastQuality> Quality;
+  /// Doubts about the quality, then unusual but possible findings with their values, one line each.
   std::vector<std::string> Warnings;
 };
 
@@ -114,17 +137,20 @@ struct SegmentationResult
  * prone, with air in front of the breast and muscle behind it. Fat is bright (plain) or dark
  * (SPAIR, SPIR, Dixon water).
  *
- * - Air: voxels below Otsu's threshold of the logarithm (Otsu 1979), or noise as strong as in their
- *   surroundings, that are connected with the volume's front without crossing tissue. The border is
- *   then refined to half the brightness of the skin nearby.
+ * - Air: voxels that are more probably noise than tissue, given their neighbours (a Markov random
+ *   field, see Private/Outline.h), connected with the volume's front without crossing tissue. Where
+ *   tissue is clearly brighter than noise, the border is then refined to half the brightness of the
+ *   skin nearby. Axial planes at either end without enough signal become air.
  * - Chest wall: one smooth sheet, a height over the coronal plane, with fat in front and muscle
- *   behind (see Private/ChestWall.h). The body behind it is chest wall, down to the coronal plane
+ *   behind (see Private/ChestWall.h). Everything behind it within the body, lung included, is chest
+ *   wall, down to the coronal plane
  *   ChestWallDepthMm behind its front (the 90th percentile). Everything farther back becomes air.
  * - Coil: the image is divided by the intensity of the breast's fat, a smooth function.
  * - Gland: voxels beyond Otsu's threshold. It is computed in the breast together with the adjacent
  *   muscle, so that a breast of almost pure fat has a second class, too. Gland is darker or
  *   brighter than fat, according to the contrast. Parts that lie mostly within a few millimetres of
- *   chest wall or skin are muscle or skin.
+ *   chest wall or skin are muscle or skin. Suppressed fat that is much brighter than muscle and
+ *   reaches the skin is fat whose suppression failed.
  * - Skin: by the distance from air (see AddSkin); the cut planes have none.
  *
  * Throws InputError on an unusable volume or option, on a breast less than 15 mm high, on volumes

@@ -150,6 +150,29 @@ TEST(FindOutline, AmplifiedNoiseIsAir)
   EXPECT_GT(NumberDifferent(plain.Tissue, truth), NumberDifferent(outline.Tissue, truth) + 500);
 }
 
+TEST(FindOutline, LeavesOutPlanesAsDarkAsNoise)
+{
+  // Towards the feet the signal falls off: 20 mm at the noise, then rising.
+  const auto signal = [](int x, int y, int z) {
+    return !InSlab(x, y, z) ? 0.0 : z < 10 ? 0.0 : 20.0 * (z - 9);
+  };
+  const Outline outline = FindOutline(Magnitude(signal, [](int, int, int) { return 10; }),
+    Magnitude(signal, [](int, int, int) { return 10; }), 0);
+  // Noise has a mean of 12.5; tissue is twice as bright from plane 10 or 11 on, a few by the reach
+  // of its level.
+  EXPECT_GE(outline.Planes[0], 8);
+  EXPECT_LE(outline.Planes[0], 13);
+  EXPECT_EQ(outline.Planes[1], ScanSize[2] - 1);
+  EXPECT_GT(outline.Clarity->GetPixel({ { 16, 8, 22 } }), 4);
+  // The body goes on beyond as in the first plane that counts.
+  for (int y = 0; y < ScanSize[1]; ++y)
+  {
+    EXPECT_EQ(outline.Body->GetPixel({ { 16, y, 0 } }),
+      outline.Body->GetPixel({ { 16, y, outline.Planes[0] } }))
+      << y;
+  }
+}
+
 TEST(FindOutline, WithoutAirEverythingIsBody)
 {
   const FloatImage::Pointer image =

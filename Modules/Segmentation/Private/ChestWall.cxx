@@ -27,6 +27,9 @@ constexpr float LeavingMm = 16.0f;
 /// Larger steps of the logarithm do not improve the quality; fat to muscle is 0.3 (suppressed) to
 /// 1.
 constexpr double LargestLogStep = 0.4;
+/// Voxels and reach of the mean that is taken for the coil's sensitivity, mm.
+constexpr double CoilVoxelMm = 4.0;
+constexpr double CoilReachMm = 30.0;
 /// Gain of a full step from fat to other tissue, and cost of fat all along FatBehindMm behind the
 /// front.
 constexpr double FatStepWorth = 0.5;
@@ -386,7 +389,6 @@ private:
         if (this->Skin->GetBufferPointer()[column] > height + BreastMm)
         {
           steps.push_back(step);
-          sheet.Support += std::min<double>(step, LargestLogStep);
         }
         return step;
       });
@@ -403,6 +405,16 @@ private:
   /// Costs of the heights without a sheet.
   WallCosts Costs;
 };
+
+/// The Gaussian mean of sums over the voxels that are inside.
+FloatImage::Pointer MeanInside(const FloatImage* sums, const FloatImage* inside, double sigmaMm)
+{
+  const FloatImage::Pointer sum = GaussianMean<FloatImage>(sums, sigmaMm);
+  const FloatImage::Pointer share = GaussianMean<FloatImage>(inside, sigmaMm);
+  return MakeFrom<FloatImage>(*sums,
+    [&](std::size_t n)
+    { return sum->GetBufferPointer()[n] / std::max(1e-3f, share->GetBufferPointer()[n]); });
+}
 }
 
 MaskImage::Pointer BeforeSheet(const MaskImage* body, const ChestWallSheet& sheet, double apartMm,
@@ -513,18 +525,19 @@ FloatImage::Pointer LogChannel(const FloatImage* image, const MaskImage* body, d
   bool fatBright)
 {
   const double sign = fatBright ? 1.0 : -1.0;
-  const FloatImage::Pointer log = GaussianMean<FloatImage>(
-    MakeFrom<FloatImage>(*image,
-      [&](std::size_t voxel)
-      {
-        const double value = std::max(0.0f, image->GetBufferPointer()[voxel]);
-        return body->GetBufferPointer()[voxel] ? sign * std::log(value + floor) : 0.0;
-      }),
-    2.0);
-  const FloatImage::Pointer share = GaussianMean<FloatImage>(ToFloat(body), 2.0);
+  const FloatImage::Pointer in = ToFloat(body);
+  const FloatImage::Pointer log = MakeFrom<FloatImage>(*image,
+    [&](std::size_t voxel)
+    {
+      const double value = std::max(0.0f, image->GetBufferPointer()[voxel]);
+      return body->GetBufferPointer()[voxel] ? sign * std::log(value + floor) : 0.0;
+    });
+  const FloatImage::Pointer fine = MeanInside(log, in, 2.0);
+  const FloatImage::Pointer coil = ResampleLike(
+    MeanInside(Shrink(log, CoilVoxelMm), Shrink(in, CoilVoxelMm), CoilReachMm), *image);
   return MakeFrom<FloatImage>(*image,
     [&](std::size_t voxel)
-    { return log->GetBufferPointer()[voxel] / std::max(1e-3f, share->GetBufferPointer()[voxel]); });
+    { return fine->GetBufferPointer()[voxel] - coil->GetBufferPointer()[voxel]; });
 }
 
 ChestWallSheet FindChestWall(const std::vector<FloatImage::Pointer>& channels,

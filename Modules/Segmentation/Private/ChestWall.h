@@ -19,8 +19,6 @@ struct ChestWallSheet
   /// Median step from fat to muscle along the sheet where at least 30 mm of body lie in front of
   /// it; the mean over several channels. 0 without a breast.
   double Step = 0;
-  /// Sum of these steps over the columns.
-  double Support = 0;
   /// Step from fat to muscle in every column; 0 where there is none.
   HeightMap::Pointer Steps;
   /// 90th percentile of the steps in these columns.
@@ -52,8 +50,9 @@ MAMMORAYSEGMENTATION_EXPORT ChestWallSheet RefineChestWall(
   const HeightMap* near);
 
 /// Makes a channel from a scanned image: its logarithm, averaged over 2 mm of body, decreasing from
-/// fat to muscle. The coil's sensitivity, which changes by a few per cent over 6 mm, hardly
-/// matters. `floor` is added before the logarithm, so that noise counts little.
+/// fat to muscle, less its mean over 30 mm of body. That is mostly the coil's sensitivity: towards
+/// the back it falls by as much over 6 mm as suppressed fat is darker than muscle. `floor` is added
+/// before the logarithm, so that noise counts little.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer LogChannel(const FloatImage* image,
   const MaskImage* body, double floor, bool fatBright);
 

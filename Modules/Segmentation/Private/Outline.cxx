@@ -23,6 +23,22 @@ constexpr double HighestRatio = 1.2;
 constexpr double NoiseTop = 1.8;
 /// Parts connected with the body by less than twice this are not body (ghosts, the coil), mm.
 constexpr double BridgeMm = 4.0;
+/// Reach of the level of tissue, and of a voxel's neighbours in the outline's model, mm.
+constexpr double LevelBlockMm = 4.0;
+constexpr double LevelReachMm = 20.0;
+constexpr double NeighbourMm = 3.0;
+/// Deviations of the logarithm within air, after smoothing, and within tissue.
+constexpr double AirDeviation = 0.22;
+constexpr double TissueDeviation = 0.5;
+/// Weight of the neighbours (Potts), largest evidence of one voxel, and iterations.
+constexpr double NeighbourWeight = 4.0;
+constexpr double LargestEvidence = 6.0;
+constexpr int OutlineRounds = 9;
+constexpr int RoundsOfLevel = 3;
+/// Three quarters of the front of the body, mm, must be this many times as bright as noise in a
+/// plane.
+constexpr double FrontLayerMm = 30.0;
+constexpr double SmallestClarity = 2.0;
 
 /// Half the mean square difference of neighbours along the axes: the variance of noise and
 /// structure.
@@ -134,6 +150,143 @@ MaskImage::Pointer WithoutBridges(const MaskImage* body)
   return LargestComponent(any ? kept.GetPointer() : body);
 }
 
+/// The body as a Markov random field of two labels, by the mean-field approximation.
+class BodyField
+{
+public:
+  /// Smoothed noise ends at the threshold.
+  BodyField(const FloatImage* smooth, const FloatImage* threshold)
+    : Values(LogOf(smooth, 1))
+    , Air(LogOf(threshold, NoiseTop))
+  {
+  }
+
+  MaskImage::Pointer Find(const MaskImage* first)
+  {
+    FloatImage::Pointer inside = ToFloat(first);
+    for (int round = 0; round < OutlineRounds; ++round)
+    {
+      if (round % RoundsOfLevel == 0)
+      {
+        this->FindLevel(Inside(inside));
+      }
+      const FloatImage::Pointer near = GaussianMean<FloatImage>(inside, NeighbourMm);
+      for (std::size_t n = 0; n < CountOf(*inside); ++n)
+      {
+        const double prior = NeighbourWeight * (2 * near->GetBufferPointer()[n] - 1);
+        inside->GetBufferPointer()[n] =
+          static_cast<float>(1 / (1 + std::exp(-(this->Evidence(n) + prior))));
+      }
+    }
+    return Inside(inside);
+  }
+
+  /// The level of tissue as a multiple of the noise, at least 1.
+  FloatImage::Pointer Clarity() const
+  {
+    return MakeFrom<FloatImage>(*this->Level,
+      [&](std::size_t n) { return std::exp(this->TissueAt(n) - this->AirAt(n)); });
+  }
+
+private:
+  static FloatImage::Pointer LogOf(const FloatImage* image, double unit)
+  {
+    return MakeFrom<FloatImage>(*image,
+      [&](std::size_t n) { return std::log(std::max(image->GetBufferPointer()[n] / unit, 1e-6)); });
+  }
+  static MaskImage::Pointer Inside(const FloatImage* inside)
+  {
+    return MakeFrom<MaskImage>(*inside,
+      [&](std::size_t n) { return inside->GetBufferPointer()[n] > 0.5f; });
+  }
+
+  /// The mean logarithm of the body nearby.
+  void FindLevel(const MaskImage* body)
+  {
+    const FloatImage::Pointer coarse = Shrink(this->Values, LevelBlockMm);
+    const FloatImage::Pointer in = Shrink(ToFloat(body), LevelBlockMm);
+    const MeanOver level(
+      *coarse, LevelReachMm, [&](std::size_t n) { return in->GetBufferPointer()[n] > 0.9f; },
+      [&](std::size_t n) { return coarse->GetBufferPointer()[n]; });
+    this->Level = ResampleLike(MakeFrom<FloatImage>(*coarse,
+                                 [&](std::size_t n)
+                                 {
+                                   return level.Weight(n) > 1e-3f ? level.Sum(n) / level.Weight(n)
+                                                                  : coarse->GetBufferPointer()[n];
+                                 }),
+      *this->Values);
+  }
+
+  double AirAt(std::size_t n) const { return this->Air->GetBufferPointer()[n]; }
+  double TissueAt(std::size_t n) const
+  {
+    return std::max<double>(this->Level->GetBufferPointer()[n], this->AirAt(n));
+  }
+
+  /// Logarithm of the ratio of a value's probabilities in tissue and in air.
+  double Evidence(std::size_t n) const
+  {
+    const double value = this->Values->GetBufferPointer()[n];
+    const double above = std::max(0.0, value - this->AirAt(n)) / AirDeviation;
+    const double below = std::min(0.0, value - this->TissueAt(n)) / TissueDeviation;
+    return std::clamp(0.5 * (above * above - below * below) +
+        std::log(AirDeviation / TissueDeviation),
+      -LargestEvidence, LargestEvidence);
+  }
+
+  FloatImage::Pointer Values;
+  FloatImage::Pointer Air;
+  FloatImage::Pointer Level;
+};
+
+/// The range of axial planes in which the front of the body stands out from the noise.
+std::array<int, 2> ClearPlanes(const MaskImage* body, const FloatImage* clarity)
+{
+  const std::array<int, 3> size = SizeOf(*body);
+  const int depth = static_cast<int>(FrontLayerMm / body->GetSpacing()[1]);
+  const auto isClear = [&](int z)
+  {
+    std::vector<float> values;
+    for (int x = 0; x < size[0]; ++x)
+    {
+      int in = 0;
+      for (int y = size[1] - 1; y >= 0 && in < depth; --y)
+      {
+        if (body->GetPixel({ { x, y, z } }))
+        {
+          ++in;
+          values.push_back(clarity->GetPixel({ { x, y, z } }));
+        }
+      }
+    }
+    return !values.empty() && Quantile(values, 0.25) >= SmallestClarity;
+  };
+  std::array<int, 2> planes{ 0, size[2] - 1 };
+  while (planes[0] < size[2] / 3 && !isClear(planes[0]))
+  {
+    ++planes[0];
+  }
+  while (planes[1] > 2 * size[2] / 3 && !isClear(planes[1]))
+  {
+    --planes[1];
+  }
+  return planes;
+}
+
+/// Repeats the outermost of these planes in the planes beyond.
+void ContinueBeyond(MaskImage* body, const std::array<int, 2>& planes)
+{
+  const std::array<int, 3> size = SizeOf(*body);
+  const std::size_t plane = static_cast<std::size_t>(size[0]) * size[1];
+  unsigned char* voxels = body->GetBufferPointer();
+  for (int z = 0; z < size[2]; ++z)
+  {
+    const int from = std::clamp(z, planes[0], planes[1]);
+    std::copy_n(voxels + plane * static_cast<std::size_t>(from), plane,
+      voxels + plane * static_cast<std::size_t>(z));
+  }
+}
+
 /// Otsu's threshold of the logarithm.
 double LogOtsu(const FloatImage* smooth)
 {
@@ -169,8 +322,13 @@ Outline FindOutline(const FloatImage* image, const FloatImage* work, double give
   }
   const MaskImage::Pointer dark = Below(smooth, outline.Threshold);
   outline.Tissue = Complement(dark);
-  const MaskImage::Pointer air = ReachedFromFront(dark);
+  BodyField field(smooth, outline.Threshold);
+  const MaskImage::Pointer air =
+    ReachedFromFront(Complement(field.Find(Complement(ReachedFromFront(dark)))));
+  outline.Clarity = field.Clarity();
   outline.Body = WithoutBridges(Complement(air));
+  outline.Planes = ClearPlanes(outline.Body, outline.Clarity);
+  ContinueBeyond(outline.Body, outline.Planes);
   std::vector<float> inside = ValuesIn(smooth, outline.Body);
   std::vector<float> outside = ValuesIn(smooth, air);
   if (!inside.empty() && !outside.empty())

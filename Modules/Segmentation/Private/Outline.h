@@ -17,6 +17,11 @@ struct Outline
   /// The threshold between air and tissue at each voxel, and its value where air is darkest.
   FloatImage::Pointer Threshold;
   double AirThreshold = 0;
+  /// Level of the tissue nearby as a multiple of the noise.
+  FloatImage::Pointer Clarity;
+  /// First and last axial plane whose tissue stands out from the noise. In the planes beyond, the
+  /// body repeats them.
+  std::array<int, 2> Planes{ 0, 0 };
   /// Median intensity of the body divided by that of the air in front of it.
   double Contrast = 0;
 };
@@ -30,6 +35,13 @@ struct Outline
  * 1.91 times its deviation, whatever the amplification (Rayleigh; more if neighbours are
  * correlated, which the darkest blocks reveal). The threshold is at least 1.8 times the mean of the
  * noise nearby.
+ *
+ * Where the signal falls off, that threshold tears the outline. It is therefore only the start of a
+ * Markov random field of air and body (mean-field approximation: Zhang, IEEE Trans. Signal Process.
+ * 40, 1992): each voxel's evidence is the ratio of its probabilities in noise and in tissue of the
+ * level nearby, and neighbours within a few millimetres pull it to their side. A smooth surface
+ * results where the evidence is weak. Axial planes at either end in which a quarter of the front of
+ * the body is less than twice as bright as noise are left out.
  *
  * @param image  scanned image in patient order
  * @param work   the same image on cubic voxels

@@ -26,13 +26,26 @@ inline bool IsThresholdOf(double given, bool fatBright)
 /// Throws InputError if a threshold is given that does not fit the image's contrast.
 void CheckGlandThreshold(double given, bool fatBright);
 
+/// Numbers of columns through a breast, and of those that show its borders; see BreastQuality.
+struct ColumnCounts
+{
+  std::size_t All = 0;
+  std::size_t Seen = 0;
+  std::size_t Agreeing = 0;
+  std::size_t Clear = 0;
+};
+
+/// The fractions of the columns, with a doubt where they are smaller than in good segmentations.
+MAMMORAYSEGMENTATION_EXPORT BreastQuality QualityOf(BreastSide side, const ColumnCounts& columns);
+
 /// Computes the volumes of the labels and the level of gland relative to muscle in the corrected
 /// image.
 MAMMORAYSEGMENTATION_EXPORT void Measure(SegmentationResult& result);
 
 /**
  * Throws InputError, with the value, on results that no breast has: less than 15 or more than 5000
- * cm3 per breast, more than 300 mm of depth, more than 0.9 of gland. Warns of rare results: less
+ * cm3 per breast, more than 300 mm of depth, more than 0.9 of gland. Warns of the doubts about the
+ * quality, and of rare results: less
  * than 60 or more than 3000 cm3, gland below 0.005 or above 0.6, skin above a third, gland more
  * than twice or less than half as bright as muscle (not T1-weighted, or contrast medium). `breasts`
  * is the number of breasts in the result; `glandGiven` is true if the caller chose gland's
