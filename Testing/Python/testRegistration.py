@@ -131,4 +131,5 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     strings = {name: result.GetFieldData().GetAbstractArray(name) for name in ("Trust", "TrustReasons")}
     assert again.trust == strings["Trust"].GetValue(0) and len(again.trust_reasons) == strings["TrustReasons"].GetNumberOfValues()
     assert numpy.allclose(again.expected_error, field(result, "ExpectedErrorMm"), rtol=0, atol=1e-3)
+    assert again.tissue == "mesh"
     assert 0.3 < again.expected_error[0] < again.expected_error[1]  # the model's own error is 0.3 mm each way at least

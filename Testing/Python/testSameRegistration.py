@@ -108,5 +108,6 @@ with tempfile.TemporaryDirectory() as name:
     assert {free: found.deviations[free] for free in FREE} == {free: deviations[free] for free in FREE}
     assert [found.trust, list(found.trust_reasons)] == [trust, reasons]
     assert list(found.expected_error) == expected
+    assert found.tissue == "labels"
     assert (found.points == points(output)).all() and (found.tetrahedra == cells(output)).all()
     assert (found.regions == regions(output)).all()

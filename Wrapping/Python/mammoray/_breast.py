@@ -152,6 +152,7 @@ class Registration:
     trust: "good", "doubtful" or "none"; trust_reasons: what speaks against more, a sentence each
     expected_error: of tissue between the plates, if both are of one breast, mm: half of it lies within the first, 95 % within the
         second; none where it is not known
+    tissue: what it was taken from, "labels" or "mesh" (`inputs` of a result.json name the labels or the MRI that was segmented)
     """
     points: NDArray[numpy.float64]
     displacement: NDArray[numpy.float64]
@@ -172,6 +173,7 @@ class Registration:
     trust: str
     trust_reasons: tuple[str, ...]
     expected_error: Optional[tuple[float, float]]
+    tissue: str
 
 
 def _field(grid: Any, name: str) -> Any:
@@ -460,4 +462,5 @@ def register(breast: Union[LabelVolume, MeshArrays], mammogram: Union[str, os.Pa
         float(_field(grid, "MeanOutlineDistanceMm")[0]),
         float(_field(grid, "LargestOutlineDistanceMm")[0]), float(_field(grid, "PaddleForceN")[0]),
         bool(_field(grid, "Converged")[0]), _strings(grid, "StopReason")[0], _strings(grid, "Trust")[0],
-        _strings(grid, "TrustReasons"), (expected[0], expected[1]) if expected else None)
+        _strings(grid, "TrustReasons"), (expected[0], expected[1]) if expected else None,
+        "labels" if isinstance(breast, LabelVolume) else "mesh")
