@@ -20,6 +20,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 using namespace mammoray;
 using test::RefusalOf;
@@ -149,6 +150,17 @@ void ExpectRegisteredTogether(const StudyTruth& truth, const std::string& path)
   // Voxels of 2 mm, cells of 14 and four iterations.
   EXPECT_LT(Quantile(errors, 0.5), 6);
 }
+
+/// A T1 of which no header says that fat is not suppressed is found out by its histogram.
+void ExpectSilentSeriesUsed(const StudyChoice& choice)
+{
+  const MaterialTable table = FindMaterialTable(StudyMaterials);
+  const StudyTissue told = SegmentStudy(choice, table, {}, true);
+  StudyChoice silent = choice;
+  silent.Undetermined = std::exchange(silent.Plain, std::nullopt);
+  const StudyTissue found = SegmentStudy(silent, table, {}, true);
+  EXPECT_TRUE(found.Labels.Voxels == told.Labels.Voxels);
+}
 }
 
 TEST(VirtualStudy, RefusesTwoBreasts)
@@ -189,6 +201,7 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed && choice.Cc && choice.Mlo);
   EXPECT_EQ(choice.FatSuppressed->Contrast, ContrastPhase::Before);
   EXPECT_EQ(choice.Cc->Header.Path, path + "/" + truth.Views[0].File);
+  ExpectSilentSeriesUsed(choice);
 
   // The MRI: where it is dark without and bright with fat suppression is gland.
   const IntensityVolume plain = ReadIntensitySeries(choice.Plain->Files);

@@ -138,7 +138,7 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
     { M::BeforeContrast, "it", "basale?|senza ?(?:iv )?<agent>", "T1 basale, T1 senza mdc" },
     { M::BeforeContrast, "es", "sin ?(?:iv )?<agent>", "T1 sin contraste" },
     { M::BeforeContrast, "pt", "sem ?(?:iv )?<agent>", "T1 sem contraste" },
-    { M::BeforeContrast, "", "pre|nonc", "T1 pre, T1 NonC" },
+    { M::BeforeContrast, "", "pre|nonc|mask", "T1 pre, T1 NonC, VIBRANT MASK" },
 
     { M::AfterContrast, "",
       "post\\w*|gad\\w*|gd|\\+ ?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
