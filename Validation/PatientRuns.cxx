@@ -11,6 +11,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/StudyPictures.h"
 
 #include "vtkImageAppend.h"
@@ -49,6 +50,7 @@ struct PatientRow
   /// Why there are no labels; empty if there are.
   std::string Refusal;
   std::vector<std::string> Warnings;
+  std::vector<BreastQuality> Quality;
   LabelVolume Labels;
   /// From the patient's right to the left; one if the labels hold one.
   std::vector<BreastVolume> Breasts;
@@ -82,7 +84,7 @@ std::vector<BreastVolume> BreastsOf(const LabelVolume& labels, const MaterialTab
 PatientRow Segment(const Patient& patient, const std::vector<DrawnSlice>& drawn,
   const ProgressCallback& progress)
 {
-  const SegmentationOptions options;
+  SegmentationOptions options;
   const MaterialTable table = FindMaterialTable("segment");
   PatientRow row;
   row.Name = patient.Name;
@@ -91,8 +93,13 @@ PatientRow Segment(const Patient& patient, const std::vector<DrawnSlice>& drawn,
   try
   {
     image = ReadIntensityVolume(patient.Mri);
+    if (FatOfMri(patient.Mri) == FatSuppression::Present)
+    {
+      options.Contrast = FatContrast::FatDark;
+    }
     const SegmentationResult result = SegmentBreast(image, options, progress);
     row.Warnings = result.Warnings;
+    row.Quality = result.Quality;
     row.Labels = result.Labels;
     row.Breasts = BreastsOf(result.Labels, table, options.Axes);
     row.Picture =
@@ -128,9 +135,12 @@ std::string Verdict(const PatientRow& row)
   {
     return "refused: " + row.Refusal;
   }
-  return std::accumulate(row.Warnings.begin(), row.Warnings.end(), std::string(),
+  const bool doubted = std::any_of(row.Quality.begin(), row.Quality.end(),
+    [](const BreastQuality& quality) { return !quality.Doubt.empty(); });
+  return std::accumulate(row.Warnings.begin(), row.Warnings.end(),
+    std::string(doubted ? "doubted" : "good"),
     [](const std::string& all, const std::string& warning)
-    { return all + (all.empty() ? "doubted: " : "; ") + warning; });
+    { return all + (all.find(':') == std::string::npos ? ": " : "; ") + warning; });
 }
 
 /// Empty for NaN, which stands for what was not drawn.

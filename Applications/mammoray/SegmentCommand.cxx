@@ -57,7 +57,8 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
   add.Choice<FatContrast>("--contrast", options.Contrast,
     { { "auto", FatContrast::Auto }, { "fat-bright", FatContrast::FatBright },
       { "fat-dark", FatContrast::FatDark } },
-    "fat is bright (plain T1) or dark\n(suppressed: SPAIR, SPIR, Dixon water); auto finds out");
+    "fat is bright (plain T1) or dark\n(suppressed: SPAIR, SPIR, Dixon water); auto: by DICOM "
+    "headers or, without, by the image");
   add(Shared::LabelSpacing, options.SpacingMm);
   const OptionList file = add.CaseFile();
   file("--skin-thickness", options.SkinThicknessMm, "mm",
@@ -129,6 +130,14 @@ void Run(SegmentArguments& arguments)
     return index < arguments.Series.size() ? std::optional(arguments.Series[index]) : std::nullopt;
   };
   const IntensityVolume image = ReadMri(arguments.Image, axes, numberAt(0));
+  FatContrast& contrast = arguments.Options.Contrast;
+  if (contrast == FatContrast::Auto)
+  {
+    const FatSuppression fat = FatOfMri(arguments.Image, numberAt(0));
+    contrast = fat == FatSuppression::Present ? FatContrast::FatDark
+      : fat == FatSuppression::Absent         ? FatContrast::FatBright
+                                              : FatContrast::Auto;
+  }
   const std::string& suppressed = arguments.Suppressed.empty() && arguments.Series.size() > 1
     ? arguments.Image
     : arguments.Suppressed;

@@ -144,6 +144,26 @@ std::string VolumesText(const Study& study)
   return study.Series.size() > most ? text + " and more" : text;
 }
 
+FatSuppression FatOfMri(const std::string& path, std::optional<int> series)
+{
+  std::error_code problem;
+  if (!fs::is_directory(path, problem))
+  {
+    return FatSuppression::Unknown;
+  }
+  try
+  {
+    Study study = ReadStudy(path);
+    return series                ? VolumeOfNumber(study, *series).Fat
+      : study.Series.size() == 1 ? study.Series.front().Fat
+                                 : FatSuppression::Unknown;
+  }
+  catch (const InputError&) // slices of no study, such as PNG
+  {
+    return FatSuppression::Unknown;
+  }
+}
+
 IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<int> series,
   const ProgressCallback& progress)
 {

@@ -169,7 +169,11 @@ MAMMORAYSTUDY_EXPORT std::string StudyListing(const StudyChoice& choice);
 MAMMORAYSTUDY_EXPORT IntensityVolume ReadMri(const std::string& path, VolumeAxes axes,
   std::optional<int> series = {}, const ProgressCallback& progress = {});
 
-/// The same as JSON, with the files. Only names of files and folders may identify the patient.
+/// What the headers of an MRI tell of its fat, as ReadMri takes it; Unknown for other files.
+MAMMORAYSTUDY_EXPORT FatSuppression FatOfMri(const std::string& path,
+  std::optional<int> series = {});
+
+/// The listing as JSON, with the files. Only names of files and folders may identify the patient.
 MAMMORAYSTUDY_EXPORT std::string StudyJson(const StudyChoice& choice);
 }
 

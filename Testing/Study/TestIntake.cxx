@@ -247,6 +247,8 @@ TEST(Intake, AVolumeOfAMixedFolderIsChosenByItsNumber)
   EXPECT_EQ(ReadMri(mri, VolumeAxes::Patient, 3).Size[2], 50);
   EXPECT_THAT(RefusalOf([&] { ReadMri(mri, VolumeAxes::Patient, 4); }),
     HasSubstr("expected a volume from 1 to 3, found 4: 1 't1'"));
+  EXPECT_EQ(FatOfMri(mri, 3), FatSuppression::Present);
+  EXPECT_EQ(FatOfMri(mri), FatSuppression::Unknown);
 
   const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()), 'L', { 2, 3 });
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed);
