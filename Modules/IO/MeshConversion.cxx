@@ -198,8 +198,14 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
   vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
   if (!materials)
   {
+    std::string found;
+    for (int index = 0; index < grid->GetCellData()->GetNumberOfArrays(); ++index)
+    {
+      const char* const name = grid->GetCellData()->GetArrayName(index);
+      found += (index == 0 ? "'" : ", '") + std::string(name ? name : "") + "'";
+    }
     throw InputError(std::string("grid: expected the cell array '") + MaterialArrayName +
-      "', found none of that name");
+      "', found " + (found.empty() ? "none" : found));
   }
   const vtkIdType pointCount = grid->GetNumberOfPoints();
   mesh.Points.resize(3 * static_cast<std::size_t>(pointCount));

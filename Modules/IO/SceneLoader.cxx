@@ -114,9 +114,19 @@ void TakeOrder(const MaterialTable& table, SurfaceMesh& surface, std::vector<std
 void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
 {
   std::vector<std::string> names;
-  auto surface = std::make_shared<SurfaceMesh>(IsVolumeMesh(path)
-      ? ExtractInterfaces(FromGrid(ReadMesh(path), &names))
-      : ReadSurface(path, &names));
+  const auto interfacesOf = [&](vtkUnstructuredGrid* grid)
+  {
+    try
+    {
+      return ExtractInterfaces(FromGrid(grid, &names));
+    }
+    catch (const InputError& error)
+    {
+      throw InputError(path + ": " + error.what());
+    }
+  };
+  auto surface = std::make_shared<SurfaceMesh>(
+    IsVolumeMesh(path) ? interfacesOf(ReadMesh(path)) : ReadSurface(path, &names));
   if (!unit.empty())
   {
     ScaleSurface(path, LengthUnitMm(unit), path, *surface);

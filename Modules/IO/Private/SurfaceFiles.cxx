@@ -33,13 +33,22 @@ public:
 
   void AddPolygon(const std::vector<vtkIdType>& corners)
   {
+    if (corners.size() == 3)
+    {
+      this->Polygons->InsertNextCell(3, corners.data());
+      return;
+    }
     // Quads that stand for triangles name a corner twice.
     std::vector<vtkIdType> distinct(corners);
-    if (corners.size() > 3)
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    if (distinct.size() > 3 && distinct.front() == distinct.back())
     {
-      distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+      distinct.pop_back();
     }
-    this->Polygons->InsertNextCell(static_cast<vtkIdType>(distinct.size()), distinct.data());
+    if (distinct.size() >= 3)
+    {
+      this->Polygons->InsertNextCell(static_cast<vtkIdType>(distinct.size()), distinct.data());
+    }
   }
 
   vtkSmartPointer<vtkPolyData> Finish() const
