@@ -82,7 +82,7 @@ private:
 
 /// Says a line about an input that is read although two of its statements contradict each other or
 /// something in it is left out: what was found, and what is taken. The innermost NoteKeeper of this
-/// thread keeps it; without one it is a warning on standard error.
+/// thread keeps it; without one it is a warning on standard error, once.
 MAMMORAYFOUNDATION_EXPORT void Note(const std::string& line);
 
 /// Keeps the notes of its thread from its construction to its end.

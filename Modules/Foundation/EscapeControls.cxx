@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <mutex>
+#include <set>
 
 namespace mammoray
 {
@@ -50,7 +52,14 @@ void Note(const std::string& line)
   }
   else
   {
-    std::fprintf(stderr, "warning: %s\n", shown.c_str());
+    // Files are read more than once, a spectrum for each picture.
+    static std::mutex access;
+    static std::set<std::string> said;
+    const std::lock_guard<std::mutex> alone(access);
+    if (said.insert(shown).second)
+    {
+      std::fprintf(stderr, "warning: %s\n", shown.c_str());
+    }
   }
 }
 

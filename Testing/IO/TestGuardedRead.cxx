@@ -92,7 +92,7 @@ TEST(GuardedRead, FieldsAndNotesArriveAsWell)
   EXPECT_EQ(ReadGuarded("a file", "numbers", Small, [] { return Note("odd\n"), 7; }), 7);
   EXPECT_EQ(notes.Lines, std::vector<std::string>{ "odd\\x0a" });
   testing::internal::CaptureStderr();
-  std::thread([] { Note("alone"); }).join();
+  std::thread([] { Note("alone"), Note("alone"); }).join();
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: alone\n");
 }
 
