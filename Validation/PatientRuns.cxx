@@ -27,6 +27,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <numeric>
 #include <optional>
 
@@ -42,6 +43,8 @@ struct BreastVolume
 {
   double Cm3 = 0;
   double GlandCm3 = 0;
+
+  double GlandPercent() const { return 100 * this->GlandCm3 / this->Cm3; }
 };
 
 struct PatientRow
@@ -149,19 +152,20 @@ std::string Cell(double value, int digits)
   return std::isnan(value) ? "" : std::isinf(value) ? "inf" : NumberText(value, digits);
 }
 
-/// The same of each breast, from right to left.
-template <typename Value>
-std::string BreastCell(const PatientRow& row, const Value& value)
+/// A value of each breast, from right to left: "612.4/598.0".
+template <typename Breast, typename Value>
+std::string BreastCell(const std::vector<Breast>& breasts, const Value& value, int digits)
 {
   std::string text;
-  for (const BreastVolume& breast : row.Breasts)
+  for (const Breast& breast : breasts)
   {
-    text += (text.empty() ? "" : "/") + Cell(value(breast), 1);
+    text += (text.empty() ? "" : "/") + Cell(std::invoke(value, breast), digits);
   }
   return text;
 }
 
-constexpr const char* Header = "patient,seconds,breast_cm3,gland_percent,breast_dice,gland_dice,"
+constexpr const char* Header = "patient,seconds,breast_cm3,gland_percent,"
+                               "wall_seen,wall_agreement,skin_seen,breast_dice,gland_dice,"
                                "outline_mm,outline_95_mm,chest_wall_mm,chest_wall_95_mm,verdict\n";
 
 std::string CsvRow(const PatientRow& row)
@@ -170,12 +174,14 @@ std::string CsvRow(const PatientRow& row)
   std::string verdict = Verdict(row);
   std::replace(verdict.begin(), verdict.end(), '"', '\'');
   return row.Name + ',' + Cell(row.Seconds, 1) + ',' +
-    BreastCell(row, [](const BreastVolume& breast) { return breast.Cm3; }) + ',' +
-    BreastCell(row, [](const BreastVolume& breast) { return 100 * breast.GlandCm3 / breast.Cm3; }) +
-    ',' + Cell(agreement.BreastDice, 3) + ',' + Cell(agreement.GlandDice, 3) + ',' +
-    Cell(agreement.Outline.MeanMm, 2) + ',' + Cell(agreement.Outline.Quantile95Mm, 2) + ',' +
-    Cell(agreement.ChestWall.MeanMm, 2) + ',' + Cell(agreement.ChestWall.Quantile95Mm, 2) + ",\"" +
-    verdict + "\"\n";
+    BreastCell(row.Breasts, &BreastVolume::Cm3, 1) + ',' +
+    BreastCell(row.Breasts, &BreastVolume::GlandPercent, 1) + ',' +
+    BreastCell(row.Quality, &BreastQuality::WallSeen, 2) + ',' +
+    BreastCell(row.Quality, &BreastQuality::WallAgreement, 2) + ',' +
+    BreastCell(row.Quality, &BreastQuality::SkinSeen, 2) + ',' + Cell(agreement.BreastDice, 3) +
+    ',' + Cell(agreement.GlandDice, 3) + ',' + Cell(agreement.Outline.MeanMm, 2) + ',' +
+    Cell(agreement.Outline.Quantile95Mm, 2) + ',' + Cell(agreement.ChestWall.MeanMm, 2) + ',' +
+    Cell(agreement.ChestWall.Quantile95Mm, 2) + ",\"" + verdict + "\"\n";
 }
 
 /// Pictures in rows from above, as one (.png).

@@ -181,23 +181,28 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
     EXPECT_THAT(this->Output, testing::HasSubstr(row));
   }
   ASSERT_EQ(rows.size(), 3u);
-  EXPECT_THAT(rows[1], testing::MatchesRegex("x,[0-9.]+,,,,,,,,,\"refused: .+\""));
+  EXPECT_THAT(rows[1], testing::MatchesRegex("x,[0-9.]+,,,,,,,,,,,,\"refused: .+\""));
   std::istringstream cells(rows[2]);
   std::vector<std::string> values;
   for (std::string cell; std::getline(cells, cell, ',');)
   {
     values.push_back(cell);
   }
-  ASSERT_GE(values.size(), 10u);
+  ASSERT_GE(values.size(), 13u);
   EXPECT_EQ(values[0], "y");
   // The cap of the ball above the slab and 10 mm of slab below it, cut 60 mm from the middle.
   EXPECT_NEAR(std::stod(values[2]), 276, 30);
   EXPECT_NEAR(std::stod(values[3]), 100 * 7.2 / 276, 0.8);
   // Half a voxel of 2 mm all over the surface costs 1 mm.
-  EXPECT_GT(std::stod(values[4]), 0.96);
-  EXPECT_GT(std::stod(values[5]), 0.85);
-  EXPECT_LT(std::stod(values[6]), 1.2);
-  EXPECT_LT(std::stod(values[8]), 1.5);
+  EXPECT_GT(std::stod(values[7]), 0.96);
+  EXPECT_GT(std::stod(values[8]), 0.85);
+  EXPECT_LT(std::stod(values[9]), 1.2);
+  EXPECT_LT(std::stod(values[11]), 1.5);
+  for (const int part : { 4, 5, 6 }) // of wall and skin that show
+  {
+    EXPECT_GE(std::stod(values[static_cast<std::size_t>(part)]), 0);
+    EXPECT_LE(std::stod(values[static_cast<std::size_t>(part)]), 1);
+  }
   EXPECT_THAT(ReadFile(out + "/patients.png"), testing::StartsWith("\x89PNG"));
   EXPECT_TRUE(fs::exists(out + "/y.nrrd"));
   EXPECT_FALSE(fs::exists(out + "/x.nrrd"));
