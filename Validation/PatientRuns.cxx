@@ -159,7 +159,8 @@ std::string BreastCell(const std::vector<Breast>& breasts, const Value& value, i
   std::string text;
   for (const Breast& breast : breasts)
   {
-    text += (text.empty() ? "" : "/") + Cell(std::invoke(value, breast), digits);
+    text += text.empty() ? "" : "/";
+    text += Cell(std::invoke(value, breast), digits);
   }
   return text;
 }
