@@ -191,6 +191,26 @@ TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
   ExpectSame(ReadLabelFile(folder.Write("s.nii", ObliqueNifti(true, false))), Oblique());
   ExpectSame(ReadLabelFile(folder.Write("q.nii", ObliqueNifti(false, true))), Oblique());
   ExpectSame(ReadLabelFile(Gzip(folder.File("s.nii.gz"), ObliqueNifti(true, false))), Oblique());
+  // In micrometres, and in an unknown unit.
+  std::string micro = ObliqueNifti(true, false);
+  for (std::size_t number = 0; number < 12; ++number)
+  {
+    float value = 0;
+    std::memcpy(&value, micro.data() + 280 + 4 * number, sizeof value);
+    Put<float>(micro, 280 + 4 * number, 1000 * value);
+  }
+  for (const std::size_t axis : { 0, 1, 2 })
+  {
+    float value = 0;
+    std::memcpy(&value, micro.data() + 80 + 4 * axis, sizeof value);
+    Put<float>(micro, 80 + 4 * axis, 1000 * value);
+  }
+  micro[123] = 3;
+  NoteKeeper notes;
+  ExpectSame(ReadLabelFile(folder.Write("u.nii", micro)), Oblique());
+  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  micro[123] = 5;
+  EXPECT_THAT(ReadMessage(folder.Write("u.nii", micro)), testing::HasSubstr("found 5"));
   const LabelVolume given = ReadLabelFile(folder.File("s.nii"), VolumeAxes::AsGiven);
   EXPECT_EQ(given.Origin[0], -10.5);
   EXPECT_EQ(given.Origin[2], 30);

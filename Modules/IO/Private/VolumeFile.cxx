@@ -205,13 +205,6 @@ void ReadNiftiInformation(itk::ImageIOBase& itk)
 
 StoredVoxels NiftiVoxels(const NiftiHeader& header, const std::string& path, bool compressed)
 {
-  const int unit = header.At<char>(123) & 7;
-  if (unit != 0 && unit != 2)
-  {
-    // ITK turns spacings of other units into mm, but not the origin.
-    throw InputError(
-      path + ": xyzt_units: expected mm (2) or none (0), found " + std::to_string(unit));
-  }
   const double offset = header.Number(108);
   StoredVoxels voxels{ path, offset > 0 && offset < 1e9 ? static_cast<std::uint64_t>(offset) : 0 };
   voxels.Packed = compressed ? StoredVoxels::Packing::File : StoredVoxels::Packing::None;

@@ -102,6 +102,29 @@ std::optional<Placement> QformOf(const NiftiHeader& header)
   return qform;
 }
 
+/// Millimetres of the header's unit of length (xyzt_units); those of none.
+double UnitMm(const NiftiHeader& header, const std::string& path)
+{
+  constexpr double units[] = { 1, 1000, 1, 1e-3 };
+  const auto unit = static_cast<std::size_t>(header.At<char>(123) & 7);
+  if (unit >= std::size(units))
+  {
+    throw InputError(path +
+      ": xyzt_units: expected m (1), mm (2), micrometres (3) or none (0), found " +
+      std::to_string(unit));
+  }
+  return units[unit];
+}
+
+void Scale(Placement& placement, double factor)
+{
+  placement.Origin = factor * placement.Origin;
+  for (Vector3& step : placement.Steps)
+  {
+    step = factor * step;
+  }
+}
+
 std::string SizeText(const Vector3& size)
 {
   return NumberText(size[0]) + " x " + NumberText(size[1]) + " x " + NumberText(size[2]) + " mm";
@@ -241,8 +264,17 @@ NiftiHeader::NiftiHeader(const std::string& path)
 
 void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, VolumeGrid& grid)
 {
-  const std::optional<Placement> sform = SformOf(header);
-  const std::optional<Placement> qform = QformOf(header);
+  // ITK turns spacings of other units into mm, but not the origin.
+  const double unitMm = UnitMm(header, path);
+  std::optional<Placement> sform = SformOf(header);
+  std::optional<Placement> qform = QformOf(header);
+  for (std::optional<Placement>* const form : { &sform, &qform })
+  {
+    if (*form)
+    {
+      Scale(**form, unitMm);
+    }
+  }
   // A matrix of zeros places nothing.
   const bool isUsable = sform && std::abs(sform->Determinant()) > 0;
   const bool takesSform = sform && (!qform || (isUsable && header.At<std::int16_t>(254) == 1));
@@ -256,7 +288,7 @@ void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, Volu
     Compare(path, taken, takesSform ? *qform : *sform, takesSform ? "sform" : "qform",
       takesSform ? "qform" : "sform", grid.Size);
   }
-  const Vector3 said = VoxelSize(header);
+  const Vector3 said = unitMm * VoxelSize(header);
   const Vector3 size{ Norm(taken.Steps[0]), Norm(taken.Steps[1]), Norm(taken.Steps[2]) };
   const bool isOther = std::abs(size[0] - said[0]) > 0.01 * size[0] ||
     std::abs(size[1] - said[1]) > 0.01 * size[1] || std::abs(size[2] - said[2]) > 0.01 * size[2];
