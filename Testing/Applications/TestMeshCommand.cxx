@@ -278,7 +278,7 @@ TEST_F(MeshCommand, RepairsASurface)
 {
   // A cube of quads, one of them turned, one there twice, every corner with points of its own.
   const int faces[][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
-    { 6, 2, 0, 4 }, { 1, 3, 7, 5 }, { 1, 3, 7, 5 } };
+    { 2, 6, 4, 0 }, { 1, 3, 7, 5 }, { 1, 3, 7, 5 } };
   std::string text;
   for (const auto& face : faces)
   {
