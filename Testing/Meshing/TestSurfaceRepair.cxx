@@ -14,7 +14,7 @@ using namespace mammoray;
 
 namespace
 {
-SurfaceMesh Ball(double radius = 5)
+SurfaceMesh RepairBall(double radius = 5)
 {
   SurfaceMesh ball;
   shapes::AddSphere(ball, { 10, 20, 30 }, radius, 2, 1);
@@ -22,7 +22,7 @@ SurfaceMesh Ball(double radius = 5)
 }
 
 /// Every triangle with points of its own, each up to `byMm` beside its place.
-SurfaceMesh Apart(const SurfaceMesh& surface, double byMm)
+SurfaceMesh TakenApart(const SurfaceMesh& surface, double byMm)
 {
   SurfaceMesh apart;
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
@@ -39,12 +39,12 @@ SurfaceMesh Apart(const SurfaceMesh& surface, double byMm)
   return apart;
 }
 
-void Turn(SurfaceMesh& surface, std::size_t triangle)
+void TurnTriangle(SurfaceMesh& surface, std::size_t triangle)
 {
   std::swap(surface.Triangles[3 * triangle], surface.Triangles[3 * triangle + 1]);
 }
 
-void Remove(SurfaceMesh& surface, std::size_t triangle)
+void RemoveTriangle(SurfaceMesh& surface, std::size_t triangle)
 {
   const auto begin = surface.Triangles.begin() + static_cast<std::ptrdiff_t>(3 * triangle);
   surface.Triangles.erase(begin, begin + 3);
@@ -53,7 +53,7 @@ void Remove(SurfaceMesh& surface, std::size_t triangle)
 }
 
 /// Sound, with this volume and, along lines through it, the chords of the other.
-void ExpectSame(const SurfaceMesh& surface, const SurfaceMesh& other, double tolerance)
+void ExpectSameBody(const SurfaceMesh& surface, const SurfaceMesh& other, double tolerance)
 {
   const MeshCheck check = CheckSurface(surface);
   EXPECT_TRUE(check.Sound()) << (check.Sound() ? "" : check.Defects.front().Text({}));
@@ -72,34 +72,34 @@ void ExpectSame(const SurfaceMesh& surface, const SurfaceMesh& other, double tol
 
 TEST(SurfaceRepair, WhatIsSoundStays)
 {
-  const SurfaceMesh ball = Ball();
+  const SurfaceMesh ball = RepairBall();
   const RepairedSurface repaired = RepairSurface(ball);
   EXPECT_EQ(repaired.WeldedPoints + repaired.FlatTriangles + repaired.DoubledTriangles +
       repaired.TurnedTriangles + repaired.ClosedHoles + repaired.OpenHoles,
     0u);
   EXPECT_EQ(repaired.Surface.NumberOfPoints(), ball.NumberOfPoints());
   EXPECT_EQ(repaired.Surface.NumberOfTriangles(), ball.NumberOfTriangles());
-  ExpectSame(repaired.Surface, ball, 1e-9);
+  ExpectSameBody(repaired.Surface, ball, 1e-9);
 }
 
 TEST(SurfaceRepair, PointsAreWeldedWithinATolerance)
 {
-  const SurfaceMesh ball = Ball();
-  const SurfaceMesh apart = Apart(ball, 1e-4);
+  const SurfaceMesh ball = RepairBall();
+  const SurfaceMesh apart = TakenApart(ball, 1e-4);
   ASSERT_TRUE(CheckSurface(apart).Find(MeshDefect::Kind::Holes));
   const RepairedSurface repaired = RepairSurface(apart, 1e-3);
   EXPECT_EQ(repaired.WeldedPoints, apart.NumberOfPoints() - ball.NumberOfPoints());
   EXPECT_EQ(repaired.Surface.NumberOfPoints(), ball.NumberOfPoints());
-  ExpectSame(repaired.Surface, ball, 1e-3);
+  ExpectSameBody(repaired.Surface, ball, 1e-3);
 }
 
 TEST(SurfaceRepair, DoubledFlatAndTurnedTrianglesAreMended)
 {
-  const SurfaceMesh ball = Ball();
+  const SurfaceMesh ball = RepairBall();
   SurfaceMesh bad = ball;
   for (const std::size_t triangle : { 3, 40, 41, 200 })
   {
-    Turn(bad, triangle);
+    TurnTriangle(bad, triangle);
   }
   const std::uint32_t* ids = &ball.Triangles[3 * 77];
   shapes::AddTriangle(bad, ids[1], ids[2], ids[0], 1, 0);
@@ -109,15 +109,15 @@ TEST(SurfaceRepair, DoubledFlatAndTurnedTrianglesAreMended)
   EXPECT_EQ(repaired.DoubledTriangles, 2u);
   EXPECT_EQ(repaired.FlatTriangles, 1u);
   EXPECT_EQ(repaired.TurnedTriangles, 4u);
-  ExpectSame(repaired.Surface, ball, 1e-9);
+  ExpectSameBody(repaired.Surface, ball, 1e-9);
   // All turned inside out; a hollow is turned inwards.
   SurfaceMesh inside = ball;
   for (std::size_t triangle = 0; triangle < inside.NumberOfTriangles(); ++triangle)
   {
-    Turn(inside, triangle);
+    TurnTriangle(inside, triangle);
   }
   EXPECT_EQ(RepairSurface(inside).TurnedTriangles, ball.NumberOfTriangles());
-  ExpectSame(RepairSurface(inside).Surface, ball, 1e-9);
+  ExpectSameBody(RepairSurface(inside).Surface, ball, 1e-9);
   SurfaceMesh hollow = ball;
   shapes::AddSphere(hollow, { 10, 20, 30 }, 2, 2, 1);
   const double volume = CheckSurface(ball).Materials.at(0).VolumeMm3 * (1 - 8.0 / 125);
@@ -127,14 +127,14 @@ TEST(SurfaceRepair, DoubledFlatAndTurnedTrianglesAreMended)
 
 TEST(SurfaceRepair, SmallHolesAreClosed)
 {
-  const SurfaceMesh ball = Ball();
+  const SurfaceMesh ball = RepairBall();
   SurfaceMesh open = ball;
-  Remove(open, 250);
-  Remove(open, 30);
+  RemoveTriangle(open, 250);
+  RemoveTriangle(open, 30);
   RepairedSurface repaired = RepairSurface(open, {}, 20);
   EXPECT_EQ(repaired.ClosedHoles, 2u);
   EXPECT_EQ(repaired.OpenHoles, 0u);
-  ExpectSame(repaired.Surface, ball, 1e-9);
+  ExpectSameBody(repaired.Surface, ball, 1e-9);
   // Their borders are some 4 mm long.
   repaired = RepairSurface(open, {}, 1);
   EXPECT_EQ(repaired.ClosedHoles, 0u);
@@ -143,9 +143,10 @@ TEST(SurfaceRepair, SmallHolesAreClosed)
 
 TEST(SurfaceRepair, RefusesWhatItCannotMend)
 {
-  SurfaceMesh two = Ball();
+  SurfaceMesh two = RepairBall();
   shapes::AddSphere(two, { 30, 20, 30 }, 2, 1, 2);
   EXPECT_THAT(test::RefusalOf([&] { RepairSurface(two); }),
     testing::HasSubstr("expected one material to repair, found 2"));
-  EXPECT_THAT(test::RefusalOf([&] { RepairSurface(Ball(), -1); }), testing::HasSubstr("to weld"));
+  EXPECT_THAT(test::RefusalOf([&] { RepairSurface(RepairBall(), -1); }),
+    testing::HasSubstr("to weld"));
 }

@@ -13,7 +13,7 @@ namespace
 using namespace mammoray;
 
 /// Column and row at which the shadow of a point falls.
-std::array<double, 2> Shadow(const XRaySource& source, const XRayDetector& detector,
+std::array<double, 2> ShadowOf(const XRaySource& source, const XRayDetector& detector,
   const Vector3& point)
 {
   const Vector3 direction =
@@ -65,8 +65,8 @@ TEST(ProjectionSeries, TurningTheSampleIsTurningItsPoints)
       const double y = point[1] - 2;
       const Vector3 turned{ 1 + std::cos(angle) * x - std::sin(angle) * y,
         2 + std::sin(angle) * x + std::cos(angle) * y, point[2] };
-      const auto expected = Shadow(source, Detector(), turned);
-      const auto found = Shadow(view.Source, view.Detector, point);
+      const auto expected = ShadowOf(source, Detector(), turned);
+      const auto found = ShadowOf(view.Source, view.Detector, point);
       EXPECT_NEAR(found[0], expected[0], 1e-9) << view.AngleDeg;
       EXPECT_NEAR(found[1], expected[1], 1e-9) << view.AngleDeg;
       EXPECT_EQ(view.Detector.Columns, 81);
@@ -105,7 +105,7 @@ TEST(ProjectionSeries, TellsWhereTheAxisStands)
     ASSERT_TRUE(shadow);
     for (const double along : { -10.0, 0.0, 12.0 })
     {
-      const auto [column, row] = Shadow(source, Detector(), axis.Point + along * axis.Direction);
+      const auto [column, row] = ShadowOf(source, Detector(), axis.Point + along * axis.Direction);
       EXPECT_NEAR(column, (*shadow)[0] + row / 120 * ((*shadow)[1] - (*shadow)[0]), 1e-9);
     }
   }

@@ -13,67 +13,71 @@ using testing::HasSubstr;
 namespace
 {
 /// 100 x 60 pixels of 1 mm in the plane z = 0, whose edges are those of 0 to 100 and 0 to 60 mm.
-XRayDetector Plate()
+XRayDetector ShadowPlate()
 {
   return { { 0.5, 0.5, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, 100, 60 };
 }
 
-XRaySource Above(double x, double y, double z)
+XRaySource SourceAt(double x, double y, double z)
 {
   XRaySource source;
   source.Position = { x, y, z };
   return source;
 }
 
-SurfaceMesh Box(const Vector3& low, const Vector3& high, int inside = 1)
+SurfaceMesh ShadowBox(const Vector3& low, const Vector3& high, int inside = 1)
 {
   SurfaceMesh box;
   shapes::AddBox(box, low, high, inside);
   return box;
 }
 
-std::string Reason(const SurfaceMesh& surface, const XRaySource& source)
+std::string ShadowReason(const SurfaceMesh& surface, const XRaySource& source)
 {
-  return MeasureShadow(surface, source, Plate()).Reason(Plate());
+  return MeasureShadow(surface, source, ShadowPlate()).Reason(ShadowPlate());
 }
 }
 
 TEST(Shadow, OfAThinPlateIsItsMagnifiedArea)
 {
   // Half way to the source: twice as wide. From 40 to 60 mm by 20 to 40 mm: all of it.
-  const XRaySource source = Above(50, 30, 200);
-  const SurfaceMesh plate = Box({ 45, 25, 100 }, { 55, 35, 100.001 });
-  const Shadow whole = MeasureShadow(plate, source, Plate());
+  const XRaySource source = SourceAt(50, 30, 200);
+  const SurfaceMesh plate = ShadowBox({ 45, 25, 100 }, { 55, 35, 100.001 });
+  const Shadow whole = MeasureShadow(plate, source, ShadowPlate());
   EXPECT_NEAR(whole.Share, 1, 1e-9);
   EXPECT_NEAR(whole.Columns.Low, 40 - 0.5, 1e-3);
   EXPECT_NEAR(whole.Columns.High, 60 - 0.5, 1e-3);
   EXPECT_NEAR(whole.Rows.Length(), 20, 1e-3);
   // From -10 to 10 mm: half of it; its corner: a quarter.
-  EXPECT_NEAR(MeasureShadow(Box({ 20, 25, 100 }, { 30, 35, 100.001 }), source, Plate()).Share, 0.5,
-    1e-4);
-  EXPECT_NEAR(MeasureShadow(Box({ 20, 10, 100 }, { 30, 20, 100.001 }), source, Plate()).Share, 0.25,
-    1e-4);
+  EXPECT_NEAR(
+    MeasureShadow(ShadowBox({ 20, 25, 100 }, { 30, 35, 100.001 }), source, ShadowPlate()).Share,
+    0.5, 1e-4);
+  EXPECT_NEAR(
+    MeasureShadow(ShadowBox({ 20, 10, 100 }, { 30, 20, 100.001 }), source, ShadowPlate()).Share,
+    0.25, 1e-4);
   XRaySource parallel;
   parallel.Type = XRaySource::Kind::Parallel;
   parallel.Direction = { 0, 0, -3 };
-  EXPECT_NEAR(MeasureShadow(Box({ 95, 10, 100 }, { 115, 20, 101 }), parallel, Plate()).Share, 0.25,
-    1e-9);
+  EXPECT_NEAR(
+    MeasureShadow(ShadowBox({ 95, 10, 100 }, { 115, 20, 101 }), parallel, ShadowPlate()).Share,
+    0.25, 1e-9);
 }
 
 TEST(Shadow, ReasonsOfEmptyPicturesAreTold)
 {
-  const XRaySource source = Above(50, 30, 200);
-  EXPECT_THAT(Reason(Box({ 45, 25, 100 }, { 55, 35, 110 }, 0), source), HasSubstr("all regions 0"));
-  EXPECT_THAT(Reason(Box({ 45, 25, 210 }, { 55, 35, 220 }), source),
+  const XRaySource source = SourceAt(50, 30, 200);
+  EXPECT_THAT(ShadowReason(ShadowBox({ 45, 25, 100 }, { 55, 35, 110 }, 0), source),
+    HasSubstr("all regions 0"));
+  EXPECT_THAT(ShadowReason(ShadowBox({ 45, 25, 210 }, { 55, 35, 220 }), source),
     HasSubstr("behind the source"));
-  EXPECT_THAT(Reason(Box({ 45, 25, -20 }, { 55, 35, -10 }), source),
+  EXPECT_THAT(ShadowReason(ShadowBox({ 45, 25, -20 }, { 55, 35, -10 }), source),
     HasSubstr("behind the detector"));
-  EXPECT_THAT(Reason(Box({ 300, 25, 10 }, { 310, 35, 20 }), source),
+  EXPECT_THAT(ShadowReason(ShadowBox({ 300, 25, 10 }, { 310, 35, 20 }), source),
     testing::AllOf(HasSubstr("of 100 x 60 pixels"), testing::Not(HasSubstr("a file in"))));
   // 40 mm that are stated in metres, 4 m for 40 mm in micrometres.
-  EXPECT_THAT(Reason(Box({ 50.3, 30.3, 10 }, { 50.34, 30.34, 10.04 }), source),
+  EXPECT_THAT(ShadowReason(ShadowBox({ 50.3, 30.3, 10 }, { 50.34, 30.34, 10.04 }), source),
     HasSubstr("0.04 mm wide: a file in metres?"));
-  EXPECT_THAT(Reason(Box({ -20000, -20000, 10 }, { 20000, 20000, 20 }), source),
+  EXPECT_THAT(ShadowReason(ShadowBox({ -20000, -20000, 10 }, { 20000, 20000, 20 }), source),
     HasSubstr("40000 mm wide: a file in micrometres?"));
 }
 
@@ -81,8 +85,8 @@ TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)
 {
   Scene scene;
   scene.Materials.Materials = { { .Name = "air" }, { .Name = "one" } };
-  scene.Source = Above(50, 30, 200);
-  scene.Detector = Plate();
+  scene.Source = SourceAt(50, 30, 200);
+  scene.Detector = ShadowPlate();
   const auto warning = [&](const SurfaceMesh& surface, float length, bool wantsAll)
   {
     scene.Samples = { { std::make_shared<const SurfaceMesh>(surface) } };
@@ -92,10 +96,10 @@ TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)
     exposure.Lengths = lengths;
     return ShadowWarning(scene, exposure, wantsAll);
   };
-  const SurfaceMesh cut = Box({ 20, 25, 100 }, { 30, 35, 100.001 });
+  const SurfaceMesh cut = ShadowBox({ 20, 25, 100 }, { 30, 35, 100.001 });
   EXPECT_EQ(warning(cut, 1, false), "");
   EXPECT_THAT(warning(cut, 1, true), testing::StartsWith("50 % of the shadow falls on the"));
-  EXPECT_EQ(warning(Box({ 45, 25, 100 }, { 55, 35, 110 }), 1, true), "");
-  EXPECT_THAT(warning(Box({ 45, 25, 210 }, { 55, 35, 220 }), 0, false),
+  EXPECT_EQ(warning(ShadowBox({ 45, 25, 100 }, { 55, 35, 110 }), 1, true), "");
+  EXPECT_THAT(warning(ShadowBox({ 45, 25, 210 }, { 55, 35, 220 }), 0, false),
     testing::StartsWith("the picture is empty: the object lies behind the source"));
 }
