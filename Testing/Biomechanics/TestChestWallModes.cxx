@@ -320,8 +320,8 @@ TEST(CompressionSimulation, RefusesBadLoading)
   EXPECT_NO_THROW(CompressionSimulation(mesh, weightless, { false, false, true }));
   CompressionOptions standing;
   standing.GravityMPerS2[2] = -StandardGravityMPerS2;
-  EXPECT_THROW(CompressionSimulation(mesh, weightless, { false, false, true }, {}, standing),
-    InputError);
+  CompressionSimulation unknown(mesh, weightless, { false, false, true }, {}, standing);
+  EXPECT_THROW(unknown.Compress(WidePlates(60)), InputError);
   weightless[1].DensityGPerCm3 = -1;
   EXPECT_THROW(CompressionSimulation(mesh, weightless, { false, false, true }), InputError);
 }
