@@ -21,9 +21,11 @@ namespace
 {
 /// Least part of the labels' tissue in the MRI.
 constexpr double LeastWithin = 0.98;
-/// Least part of the labels' skin behind which the MRI is brighter than before it; of labels that
-/// lie elsewhere it is about half.
+/// Least part of the labels' skin behind which the MRI is so many times as bright as before it, and
+/// brighter by this part of fat: far from the coil tissue is dark, but air is darker.
 constexpr double LeastSkinSeen = 0.75;
+constexpr double LeastRatio = 1.5;
+constexpr double LeastStep = 0.05;
 /// A breast's middle may lie so far beyond the middle of an MRI of both, mm.
 constexpr double MiddleMm = 20;
 
@@ -57,10 +59,10 @@ void KeepSide(LabelVolume& materials, const std::vector<bool>& fixed, char later
     });
 }
 
-/// The MRI at the voxels of `materials`, 0 outside it, over the middle of what is neither thin,
-/// fixed nor gland: fat. Throws InputError if the tissue lies beside the MRI.
+/// The MRI at the voxels of `materials`, 0 outside it, over `level`, the middle of what is neither
+/// thin, fixed nor gland: fat. Throws InputError if the tissue lies beside the MRI.
 IntensityVolume SampleAt(const LabelVolume& materials, const IntensityVolume& image,
-  const MaterialTable& table, const LabelSource& source)
+  const MaterialTable& table, const LabelSource& source, float& level)
 {
   IntensityVolume sampled;
   static_cast<VolumeGrid&>(sampled) = materials;
@@ -100,7 +102,7 @@ IntensityVolume SampleAt(const LabelVolume& materials, const IntensityVolume& im
         Percent(1 - static_cast<double>(within) / static_cast<double>(tissue)) +
         " of it outside: labels in the frame of another volume, or on other axes");
   }
-  const float level = fat.empty() ? 0.0F : QuantileElement(std::move(fat), 0.5);
+  level = fat.empty() ? 0.0F : QuantileElement(std::move(fat), 0.5);
   if (level > 0)
   {
     std::for_each(sampled.Voxels.begin(), sampled.Voxels.end(),
@@ -139,7 +141,8 @@ void CheckSideOf(const StudyTissue& tissue, const IntensityVolume& image, const 
 }
 
 /// Throws InputError unless the MRI is brighter behind the skin of the labels than before it.
-void CheckSkin(const StudyTissue& tissue, const IntensityVolume& image,
+/// `fat`: its brightness.
+void CheckSkin(const StudyTissue& tissue, const IntensityVolume& image, double fat,
   const std::vector<bool>& fixed, const std::string& path)
 {
   const LabelVolume& breast = tissue.Breast;
@@ -160,8 +163,9 @@ void CheckSkin(const StudyTissue& tissue, const IntensityVolume& image,
       {
         return;
       }
-      double brighter = 0;
-      for (const double depth : { 4.0, 7.0, 10.0 })
+      double before = 0;
+      double behind = 0;
+      for (const double depth : { 4.0, 6.0, 8.0 })
       {
         const std::optional<float> outside = image.ValueAt(skin + depth * front);
         const std::optional<float> inside = image.ValueAt(skin - depth * front);
@@ -170,10 +174,11 @@ void CheckSkin(const StudyTissue& tissue, const IntensityVolume& image,
         {
           return;
         }
-        brighter += *inside - *outside;
+        before += *outside / 3;
+        behind += *inside / 3;
       }
       ++count;
-      seen += brighter > 0 ? 1 : 0;
+      seen += behind > LeastRatio * before && behind > before + LeastStep * fat ? 1 : 0;
     });
   constexpr std::size_t few = 50;
   if (count >= few && static_cast<double>(seen) < LeastSkinSeen * static_cast<double>(count))
@@ -195,12 +200,13 @@ StudyTissue LabelStudy(const StudyChoice& choice, const LabelSource& labels,
   const IntensityVolume image =
     ReadIntensitySlices(choice.Mri()->Slices, PartOf(progress, 0, 1, "read the MRI"));
   KeepSide(materials, fixed, choice.Laterality);
-  IntensityVolume mri = SampleAt(materials, image, table, labels);
+  float fat = 0;
+  IntensityVolume mri = SampleAt(materials, image, table, labels, fat);
   StudyTissue tissue = MakeStudyTissue(std::move(materials), std::move(mri), table);
   if (!labels.AcceptUnusual)
   {
     CheckSideOf(tissue, image, choice, fixed, labels.Path);
-    CheckSkin(tissue, image, fixed, labels.Path);
+    CheckSkin(tissue, image, fat, fixed, labels.Path);
   }
   return tissue;
 }
