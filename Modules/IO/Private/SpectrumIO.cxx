@@ -73,7 +73,7 @@ std::vector<std::string> CellsOf(const std::string& line)
 }
 
 /// All numbers of a line. Empty if one of its cells is none.
-std::vector<double> NumbersOf(const std::vector<std::string>& cells)
+std::vector<double> RowNumbers(const std::vector<std::string>& cells)
 {
   std::vector<double> numbers;
   for (const std::string& cell : cells)
@@ -112,7 +112,7 @@ EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
       text.erase(comment);
     }
     const std::vector<std::string> cells = CellsOf(text);
-    std::vector<double> numbers = NumbersOf(cells);
+    std::vector<double> numbers = RowNumbers(cells);
     // A number alone may be the count of rows before them, and an edge after them.
     const bool isHeader = table.Rows.empty() && numbers.size() < 2;
     if (isHeader || cells.empty())
