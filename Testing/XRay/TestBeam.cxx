@@ -149,7 +149,13 @@ TEST(Beam, RefusesUnusableInput)
     InputError);
   EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, nullptr }, { 0, 1 }),
     InputError);
-  EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, 0 }),
+  EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, -1 }),
+    InputError);
+  // 0 stands for the table's own density, where it has one.
+  EXPECT_NO_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, 0 }));
+  AttenuationTable formula = table;
+  formula.HasDensity = false;
+  EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &formula }, { 0, 0 }),
     InputError);
   EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0 }), InputError);
   EXPECT_THROW(Beam(Spectrum{}, response, { nullptr, &table }, { 0, 1 }), InputError);
