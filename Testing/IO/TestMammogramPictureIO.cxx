@@ -44,7 +44,8 @@ TEST(MammogramPictureIO, PicturesNeedWhatTheyDoNotSay)
   const TemporaryFolder folder;
   const std::string path = WritePicture(folder.File("a.png"), { 200 });
   EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(path, { .View = "MLO" }); }),
-    HasSubstr("pixel spacing, laterality, thickness to be given; set PixelSpacingMm and Laterality "
+    HasSubstr("pixel spacing, laterality to be given, and its thickness if it is known; set "
+              "PixelSpacingMm and Laterality "
               "and ThicknessMm"));
   const Mammogram read =
     ReadMammogramPicture(path, { .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' });
