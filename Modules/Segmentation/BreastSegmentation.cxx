@@ -298,19 +298,16 @@ private:
         return 0.0;
       }
     };
-    // The less probable one first: the other one's result is there when it wins.
+    // The guess is by the steps of the logarithm, and stands where the rest is no clearer. It is
+    // followed last, so that its result is there when it wins.
     const bool guess = bright.LargeStep > dark.LargeStep;
     const double other = fit(!guess);
     const double first = fit(guess);
-    if (other > first)
-    {
-      follow(!guess);
-    }
-    else if (first == 0)
-    {
-      follow(guess); // what is wrong with it is said there or further on
-    }
     this->ContrastIsClear = std::min(first, other) < LargestOtherContrast * std::max(first, other);
+    if (first == 0 || (other > first && this->ContrastIsClear))
+    {
+      follow(other > first ? !guess : guess); // what is wrong with it is said there or further on
+    }
   }
 
   /// Sets the sheet and the coronal plane behind which the result is empty.
@@ -363,21 +360,25 @@ private:
     this->Uncorrected = this->Channels.front().Image;
     this->HalfSkin =
       SkinThreshold(this->Air, this->Channels.front().Work, this->Channels.front().FatBright);
+    const std::vector<Channel> scanned = this->Channels;
     for (int round = 0; round < CoilRounds; ++round)
     {
       const MaskImage::Pointer inner =
         BeforeSheet(this->Air.Body, this->WorkWall, 2 * WorkMm, this->CutMm);
       std::vector<FloatImage::Pointer> fatness;
-      for (Channel& channel : this->Channels)
+      for (std::size_t n = 0; n < scanned.size(); ++n)
       {
-        const FloatImage::Pointer level =
-          FindFatLevel(channel.Work, inner, channel.FatBright, !this->Options.CorrectBias);
+        Channel& channel = this->Channels[n];
+        // In T1 gland is as bright as muscle.
+        const double gland = round == 0 ? 0.0 : channel.MuscleLevel;
+        const FloatImage::Pointer level = FindFatLevel(scanned[n].Work, inner, channel.FatBright,
+          !this->Options.CorrectBias, gland);
         if (!level)
         {
           throw InputError("MRI: expected a breast, found no tissue in front of the chest wall");
         }
-        channel.Work = Divide(channel.Work, level);
-        channel.Image = Divide(channel.Image, ResampleLike(level, *channel.Image));
+        channel.Work = Divide(scanned[n].Work, level);
+        channel.Image = Divide(scanned[n].Image, ResampleLike(level, *scanned[n].Image));
         channel.MuscleLevel = this->MuscleLevelOf(channel);
         fatness.push_back(
           Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));

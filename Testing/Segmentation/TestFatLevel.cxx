@@ -67,7 +67,7 @@ TEST(FatLevel, OfOneIntensityIsThatIntensity)
     const FloatImage::Pointer image = Field([&](int, int, int) { return intensity; });
     for (const bool even : { false, true })
     {
-      const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), true, even);
+      const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), true, even, 0);
       ASSERT_TRUE(level);
       const auto range = RangeOver(level, [&](int, int, int) { return intensity; });
       // 1e-5 of the logarithm (up to 12) by the recursive filter in floats.
@@ -93,7 +93,7 @@ TEST(FatLevel, FollowsTheCoilWhateverTheGland)
         return 1000 * Sensitivity(x, y, z) * (isGland(x, y, z) ? gland : 1) *
           std::exp(noise(generator));
       });
-    const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), fatBright, false);
+    const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), fatBright, false, 0);
     ASSERT_TRUE(level);
     const auto range = RangeOver(
       level, [](int x, int y, int z) { return 1000 * Sensitivity(x, y, z); }, 6);
@@ -104,17 +104,37 @@ TEST(FatLevel, FollowsTheCoilWhateverTheGland)
   }
 }
 
+TEST(FatLevel, DoesNotRiseInCompactGland)
+{
+  // A ball of gland of 56 mm, wider than the reach of the estimate, under an even coil.
+  const auto isGland = [](int x, int y, int z) { return std::hypot(x - 25, y - 20, z - 20) < 14; };
+  for (const bool fatBright : { true, false })
+  {
+    const double gland = fatBright ? 0.7 : 1.5;
+    std::mt19937 generator(9);
+    std::normal_distribution<double> noise(0, 0.05);
+    const FloatImage::Pointer image = Field([&](int x, int y, int z)
+      { return 1000 * (isGland(x, y, z) ? gland : 1) * std::exp(noise(generator)); });
+    const FloatImage::Pointer level =
+      FindFatLevel(image, Region(Everywhere), fatBright, false, gland);
+    const auto range = RangeOver(
+      level, [](int, int, int) { return 1000; }, 6);
+    EXPECT_GT(range[0], 0.95) << fatBright;
+    EXPECT_LT(range[1], 1.05) << fatBright;
+  }
+}
+
 TEST(FatLevel, IsNoneWithHardlyAVoxel)
 {
   const FloatImage::Pointer image = Field([](int, int, int) { return 100; });
-  EXPECT_FALSE(FindFatLevel(image, Region([](int, int, int) { return false; }), true, false));
+  EXPECT_FALSE(FindFatLevel(image, Region([](int, int, int) { return false; }), true, false, 0));
   EXPECT_FALSE(FindFatLevel(image, Region([](int x, int y, int z) { return x < 49 && y + z == 0; }),
-    true, false));
+    true, false, 0));
   EXPECT_TRUE(
-    FindFatLevel(image, Region([](int, int y, int z) { return y + z == 0; }), true, false));
+    FindFatLevel(image, Region([](int, int y, int z) { return y + z == 0; }), true, false, 0));
   // Zeros have no logarithm and are not fat.
   const FloatImage::Pointer zeros = Field([](int, int, int) { return 0; });
-  EXPECT_FALSE(FindFatLevel(zeros, Region(Everywhere), true, false));
+  EXPECT_FALSE(FindFatLevel(zeros, Region(Everywhere), true, false, 0));
 }
 
 TEST(FatLevel, StaysWithinTheRegionsFatFarFromIt)
@@ -125,7 +145,7 @@ TEST(FatLevel, StaysWithinTheRegionsFatFarFromIt)
     [](int x, int, int) { return 1000 * std::exp(-x / 12.0); });
   const MaskImage::Pointer region =
     MadeUpImage<MaskImage>(size, { 2, 2, 2 }, [](int x, int, int) { return x < 12 ? 1 : 0; });
-  const FloatImage::Pointer level = FindFatLevel(image, region, true, false);
+  const FloatImage::Pointer level = FindFatLevel(image, region, true, false, 0);
   ASSERT_TRUE(level);
   for (int x = 0; x < 150; ++x)
   {
@@ -157,7 +177,7 @@ TEST(FatLevel, IsAMeanOfTheRegionWhereTheCoilIsSteep)
     });
   const MaskImage::Pointer region = MadeUpImage<MaskImage>(size, { 2, 2, 2 },
     [&](int x, int y, int z) { return inRegion(x, y, z) ? 1 : 0; });
-  const FloatImage::Pointer level = FindFatLevel(image, region, false, false);
+  const FloatImage::Pointer level = FindFatLevel(image, region, false, false, 0);
   ASSERT_TRUE(level);
   const float* levels = level->GetBufferPointer();
   const auto [lowest, highest] = std::minmax_element(levels, levels + CountOf(*level));
@@ -173,8 +193,8 @@ TEST(FatLevel, EvenIsOneLevelAndScalesWithTheImage)
     Field([](int x, int y, int z) { return 2000 * Sensitivity(x, y, z); });
   for (const bool even : { false, true })
   {
-    const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), true, even);
-    const FloatImage::Pointer twiceLevel = FindFatLevel(twice, Region(Everywhere), true, even);
+    const FloatImage::Pointer level = FindFatLevel(image, Region(Everywhere), true, even, 0);
+    const FloatImage::Pointer twiceLevel = FindFatLevel(twice, Region(Everywhere), true, even, 0);
     for (std::size_t voxel = 0; voxel < CountOf(*image); ++voxel)
     {
       const float here = level->GetBufferPointer()[voxel];

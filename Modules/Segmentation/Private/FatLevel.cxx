@@ -14,6 +14,8 @@ namespace mammoray
 namespace
 {
 constexpr double CoarseMm = 24.0;
+/// Reach of the estimate that gland starts from, wider than compact gland, mm.
+constexpr double WideMm = 40.0;
 constexpr double EarlyReachMm = 18.0;
 constexpr double LateReachMm = 12.0;
 constexpr double BlockMm = 4.0;
@@ -23,6 +25,10 @@ constexpr std::size_t EnoughVoxels = 50;
 /// fat has little noise, and slightly darker voxels contain strands of gland.
 constexpr std::array<double, 2> DarkTolerance{ 0.35, 0.25 };
 constexpr std::array<double, 2> BrightTolerance{ 0.2, 0.1 };
+
+/// Tolerance of gland's logarithm: less than half of its distance from fat, so that fat's noise is
+/// not taken for gland.
+constexpr double GlandTolerance = 0.15;
 
 /// Weighted Gaussian means; `otherwise` far from all weights.
 FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer weights,
@@ -95,7 +101,8 @@ public:
 };
 
 /// The smoothed quantile of the logarithms in each coarse cube that has enough voxels.
-FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, float whole)
+FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, float whole,
+  double reachMm)
 {
   const std::array<int, 3> size = SizeOf(*region.Blocks);
   std::array<int, 3> edge;
@@ -136,12 +143,12 @@ FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, fl
                         [&](std::size_t block)
                         { return counts[cubeOf(block)] * levels[cubeOf(block)]; }),
     MakeFrom<FloatImage>(*region.Blocks, [&](std::size_t block) { return counts[cubeOf(block)]; }),
-    CoarseMm, whole);
+    reachMm, whole);
 }
 }
 
 FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask, bool fatBright,
-  bool even)
+  bool even, double gland)
 {
   const Region region(image, mask);
   if (region.Logs.size() < EnoughVoxels)
@@ -150,7 +157,8 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
   }
   const double quantile = fatBright ? 0.9 : 0.25;
   const float whole = Quantile(region.Logs, quantile);
-  FloatImage::Pointer level = BeginWithQuantiles(region, quantile, whole);
+  FloatImage::Pointer level =
+    BeginWithQuantiles(region, quantile, whole, gland > 0 ? WideMm : CoarseMm);
   if (even)
   {
     level->FillBuffer(whole);
@@ -166,15 +174,27 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
     for (std::size_t n = 0; n < region.Logs.size(); ++n)
     {
       const std::size_t block = region.BlockOf[n];
-      double away = (region.Logs[n] - level->GetBufferPointer()[block]) / tolerance;
+      const double residual = region.Logs[n] - level->GetBufferPointer()[block];
       // On the side of fat where gland cannot be, there is only noise.
-      const bool beyond = fatBright ? away > 0 : away < 0;
-      away *= beyond ? 0.5 : 1.0;
-      const auto weight = static_cast<float>(std::exp(-away * away));
-      sums->GetBufferPointer()[block] += weight * region.Logs[n];
-      weights->GetBufferPointer()[block] += weight;
-      sum += weight * region.Logs[n];
-      total += weight;
+      const bool beyond = fatBright ? residual > 0 : residual < 0;
+      const double away = (beyond ? 0.5 : 1.0) * residual / tolerance;
+      double fat = std::exp(-away * away);
+      double other = 0;
+      if (gland > 0)
+      {
+        const double awayFromGland = (residual - std::log(gland)) / GlandTolerance;
+        other = std::exp(-awayFromGland * awayFromGland);
+        // Each voxel is one of them.
+        const double both = std::max(1.0, fat + other);
+        fat /= both;
+        other /= both;
+      }
+      const double value =
+        fat * region.Logs[n] + other * (region.Logs[n] - std::log(std::max(gland, 1e-30)));
+      sums->GetBufferPointer()[block] += static_cast<float>(value);
+      weights->GetBufferPointer()[block] += static_cast<float>(fat + other);
+      sum += value;
+      total += fat + other;
     }
     if (even)
     {

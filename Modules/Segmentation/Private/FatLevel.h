@@ -17,12 +17,17 @@ namespace mammoray
  * are averaged with a Gaussian of 18 mm, later 12 mm (on the logarithm), six times. Outside the
  * region the nearest level continues.
  *
+ * Compact gland, wider than these, would be taken for fat. If gland's level is known, each voxel
+ * counts as fat or as gland by its distance from both, so that class and sensitivity are estimated
+ * together (Wells et al., IEEE Trans. Med. Imaging 15, 1996), and the start is averaged over 40 mm.
+ *
  * @param mask  region in which fat is searched: the inside of the breasts without skin
  * @param even  true for one level everywhere
+ * @param gland intensity of gland as a fraction of fat's; 0 if unknown
  * @return null if there are almost no voxels
  */
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer FindFatLevel(const FloatImage* image,
-  const MaskImage* mask, bool fatBright, bool even);
+  const MaskImage* mask, bool fatBright, bool even, double gland);
 /// Divides one image by the other, voxel by voxel.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Divide(const FloatImage* image,
   const FloatImage* level);
