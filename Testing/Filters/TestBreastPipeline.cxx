@@ -158,7 +158,7 @@ TEST_F(BreastPipeline, MesherRefusesOnceAndStopsWhenAsked)
   mesher->Update();
   ASSERT_EQ(watch.Errors.size(), 2u);
   EXPECT_THAT(watch.Errors[1],
-    testing::HasSubstr("voxel spacing from 0.05 to 10 mm, found 2000; set AcceptUnusual"));
+    testing::HasSubstr("voxel spacing from 0.05 to 10 mm, found 2000 (in um?); set AcceptUnusual"));
   image->SetSpacing(2, 2, 2);
   vtkNew<vtkCallbackCommand> stop;
   stop->SetCallback([](vtkObject* caller, unsigned long, void*, void*)
