@@ -447,7 +447,8 @@ private:
                                                  : BreastSide::Left;
       if (this->Options.Side == BreastSide::Both || this->Options.Side == side)
       {
-        qualities.push_back(QualityOf(side, sides[static_cast<std::size_t>(n)]));
+        qualities.push_back(
+          QualityOf(side, sides[static_cast<std::size_t>(n)], this->ContrastIsClear));
       }
     }
     return qualities;
@@ -706,12 +707,6 @@ private:
     result.Measures.DepthMm = this->DepthMm;
     result.Quality = this->Qualities();
     this->TellMissingPlanes(result);
-    if (!this->ContrastIsClear)
-    {
-      result.Warnings.push_back(std::string("fat is taken as ") +
-        (first.FatBright ? "bright" : "dark") +
-        ", and the image does not show it clearly; choose the contrast if you know it");
-    }
     Measure(result);
     Judge(result, this->Options.Side == BreastSide::Both ? this->Breasts : 1,
       this->Options.GlandThreshold > 0);

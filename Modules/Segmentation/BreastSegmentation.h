@@ -106,7 +106,7 @@ struct BreastQuality
   /// Fraction of the columns in which the skin's surroundings are at least three times as bright as
   /// noise; elsewhere the outline is extrapolated.
   double SkinSeen = 0;
-  /// What to doubt and why, one sentence; empty if the borders show well.
+  /// What to doubt and why, one sentence without a stop; empty if the borders show well.
   std::string Doubt;
 };
 

@@ -275,6 +275,12 @@ void Search(const RegistrationCase& input, RegistrationProblem& problem,
     RegisteredView& registered = result.Views[number];
     registered.View = std::move(problem.Views[number]);
     registered.Registration = std::move(found.Views[number]);
+    if (result.Tissue && !result.Tissue->Doubt.empty())
+    {
+      Assessment& trust = registered.Registration.Trust;
+      trust.Level = std::max(trust.Level, Trust::Doubtful);
+      trust.Reasons.push_back("In the MRI " + result.Tissue->Doubt + ".");
+    }
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
     const std::string note = StiffnessNote(registered.Registration.State.StiffnessFactor);

@@ -111,6 +111,10 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
     std::move(found.Corrected), table);
   tissue.DepthMm = found.Measures.DepthMm;
   tissue.Warnings = std::move(found.Warnings);
+  for (const BreastQuality& quality : found.Quality) // of the side that is registered
+  {
+    tissue.Doubt = quality.Doubt;
+  }
   return tissue;
 }
 }

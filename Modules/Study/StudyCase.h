@@ -45,6 +45,9 @@ struct StudyTissue
   double DepthMm = 0;
   /// Notes of the segmentation, a sentence each.
   std::vector<std::string> Warnings;
+  /// Why the borders of the breast are doubtful (BreastQuality::Doubt); no match of its mammograms
+  /// is called good then. Empty if they are not.
+  std::string Doubt;
 };
 
 /**

@@ -34,20 +34,22 @@ std::string VerdictOn(SegmentationResult& result, int breasts = 1, bool glandGiv
 
 TEST(QualityOf, DoubtsABreastWhoseBordersHardlyShow)
 {
-  const BreastQuality good = QualityOf(BreastSide::Left, { 200, 160, 150, 200 });
+  const BreastQuality good = QualityOf(BreastSide::Left, { 200, 160, 150, 200 }, true);
   EXPECT_EQ(good.Side, BreastSide::Left);
   EXPECT_DOUBLE_EQ(good.WallSeen, 0.8);
   EXPECT_DOUBLE_EQ(good.WallAgreement, 0.75);
   EXPECT_DOUBLE_EQ(good.SkinSeen, 1);
   EXPECT_EQ(good.Doubt, "");
-  EXPECT_EQ(QualityOf(BreastSide::Right, { 200, 60, 150, 100 }).Doubt,
+  EXPECT_EQ(QualityOf(BreastSide::Right, { 200, 60, 150, 100 }, true).Doubt,
     "the right breast is doubtful: the chest wall shows in 0.3 of its columns (expected 0.5), and "
     "the skin stands out from the noise in 0.5 of its columns (expected 0.8)");
-  EXPECT_THAT(QualityOf(BreastSide::Both, { 200, 160, 20, 200 }).Doubt,
+  EXPECT_THAT(QualityOf(BreastSide::Both, { 200, 160, 20, 200 }, true).Doubt,
     HasSubstr("the breast is doubtful: two ways to find the chest wall agree in 0.1"));
-  EXPECT_THAT(QualityOf(BreastSide::Both, {}).Doubt, HasSubstr("in 0 of its columns"));
+  EXPECT_THAT(QualityOf(BreastSide::Both, {}, true).Doubt, HasSubstr("in 0 of its columns"));
+  EXPECT_THAT(QualityOf(BreastSide::Both, { 200, 160, 150, 200 }, false).Doubt,
+    HasSubstr("the breast is doubtful: the image does not tell whether fat is bright"));
   SegmentationResult result = MiddlingBreast();
-  result.Quality = { good, QualityOf(BreastSide::Right, { 200, 60, 150, 200 }) };
+  result.Quality = { good, QualityOf(BreastSide::Right, { 200, 60, 150, 200 }, true) };
   EXPECT_EQ(VerdictOn(result), NotRefused);
   EXPECT_THAT(result.Warnings, ElementsAre(result.Quality[1].Doubt));
 }

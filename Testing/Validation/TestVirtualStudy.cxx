@@ -156,6 +156,7 @@ void ExpectSilentSeriesUsed(const StudyChoice& choice)
 {
   const MaterialTable table = FindMaterialTable(StudyMaterials);
   const StudyTissue told = SegmentStudy(choice, table, {}, true);
+  EXPECT_EQ(told.Doubt, "");
   StudyChoice silent = choice;
   silent.Undetermined = std::exchange(silent.Plain, std::nullopt);
   const StudyTissue found = SegmentStudy(silent, table, {}, true);

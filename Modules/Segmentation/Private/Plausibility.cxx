@@ -147,14 +147,16 @@ void SegmentationOptions::Validate() const
     this->SmallestGlandMm3);
 }
 
-BreastQuality QualityOf(BreastSide side, const ColumnCounts& columns)
+BreastQuality QualityOf(BreastSide side, const ColumnCounts& columns, bool contrastIsClear)
 {
   const auto share = [&](std::size_t count) {
     return columns.All == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(columns.All);
   };
   BreastQuality quality{ side, share(columns.Seen), share(columns.Agreeing), share(columns.Clear),
     "" };
-  std::string faults;
+  std::string faults = contrastIsClear
+    ? ""
+    : "the image does not tell whether fat is bright or dark (choose the contrast if you know it)";
   const auto require = [&faults](double least, double found, const std::string& what)
   {
     if (found < least)

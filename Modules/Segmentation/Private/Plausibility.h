@@ -35,8 +35,10 @@ struct ColumnCounts
   std::size_t Clear = 0;
 };
 
-/// The fractions of the columns, with a doubt where they are smaller than in good segmentations.
-MAMMORAYSEGMENTATION_EXPORT BreastQuality QualityOf(BreastSide side, const ColumnCounts& columns);
+/// The fractions of the columns, with a doubt where they are smaller than in good segmentations, or
+/// where the image does not tell bright fat from dark.
+MAMMORAYSEGMENTATION_EXPORT BreastQuality QualityOf(BreastSide side, const ColumnCounts& columns,
+  bool contrastIsClear);
 
 /// Computes the volumes of the labels and the level of gland relative to muscle in the corrected
 /// image.
