@@ -39,7 +39,7 @@ namespace
 constexpr int SheetColumns = 3;
 
 /// Fat, gland and skin of a breast.
-struct BreastVolume
+struct SegmentedBreast
 {
   double Cm3 = 0;
   double GlandCm3 = 0;
@@ -56,18 +56,18 @@ struct PatientRow
   std::vector<BreastQuality> Quality;
   LabelVolume Labels;
   /// From the patient's right to the left; one if the labels hold one.
-  std::vector<BreastVolume> Breasts;
+  std::vector<SegmentedBreast> Breasts;
   DrawnAgreement Agreement;
   double Seconds = 0;
   std::string Picture;
 };
 
-std::vector<BreastVolume> BreastsOf(const LabelVolume& labels, const MaterialTable& table,
+std::vector<SegmentedBreast> BreastsOf(const LabelVolume& labels, const MaterialTable& table,
   const AnatomicalAxes& axes)
 {
   const std::optional<double> middle =
     MidlineBetweenBreasts(table.ToMaterials(labels, "labels"), table.Fixed(), axes);
-  std::vector<BreastVolume> breasts(middle ? 2 : 1);
+  std::vector<SegmentedBreast> breasts(middle ? 2 : 1);
   labels.ForEachVoxel(
     [&](int i, int j, int k, std::size_t voxel)
     {
@@ -77,7 +77,7 @@ std::vector<BreastVolume> BreastsOf(const LabelVolume& labels, const MaterialTab
         return;
       }
       const bool isLeft = middle && Dot(labels.PointAt(i, j, k), axes.Left) > *middle;
-      BreastVolume& breast = breasts[isLeft ? 1 : 0];
+      SegmentedBreast& breast = breasts[isLeft ? 1 : 0];
       breast.Cm3 += labels.VoxelVolume() / 1000;
       breast.GlandCm3 += label == TissueLabel::Gland ? labels.VoxelVolume() / 1000 : 0;
     });
@@ -175,8 +175,8 @@ std::string CsvRow(const PatientRow& row)
   std::string verdict = Verdict(row);
   std::replace(verdict.begin(), verdict.end(), '"', '\'');
   return row.Name + ',' + Cell(row.Seconds, 1) + ',' +
-    BreastCell(row.Breasts, &BreastVolume::Cm3, 1) + ',' +
-    BreastCell(row.Breasts, &BreastVolume::GlandPercent, 1) + ',' +
+    BreastCell(row.Breasts, &SegmentedBreast::Cm3, 1) + ',' +
+    BreastCell(row.Breasts, &SegmentedBreast::GlandPercent, 1) + ',' +
     BreastCell(row.Quality, &BreastQuality::WallSeen, 2) + ',' +
     BreastCell(row.Quality, &BreastQuality::WallAgreement, 2) + ',' +
     BreastCell(row.Quality, &BreastQuality::SkinSeen, 2) + ',' + Cell(agreement.BreastDice, 3) +

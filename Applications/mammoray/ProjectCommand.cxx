@@ -253,7 +253,7 @@ struct ProjectionJob
   /// to be seen whole; a breast never is.
   std::string WarningOf(const Scene& scene, const Exposure& exposure) const
   {
-    const std::string holes = exposure.Lengths->InconsistencyWarning();
+    std::string holes = exposure.Lengths->InconsistencyWarning();
     const SceneDescription& given = this->Arguments.Scene;
     if (!holes.empty())
     {

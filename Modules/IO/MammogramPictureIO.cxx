@@ -146,10 +146,13 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   need(description.Laterality == 'L' || description.Laterality == 'R', "laterality", "Laterality");
   if (!missing.empty())
   {
-    const std::string needed = missing;
-    need(description.ThicknessMm.has_value(), "thickness", "ThicknessMm");
-    throw InputError(path + ": a picture has no header: expected its " + needed + " to be given" +
-        (missing == needed ? "" : ", and its thickness if it is known"),
+    const bool thick = description.ThicknessMm.has_value();
+    if (!thick)
+    {
+      fields.emplace_back("ThicknessMm");
+    }
+    throw InputError(path + ": a picture has no header: expected its " + missing + " to be given" +
+        (thick ? "" : ", and its thickness if it is known"),
       { fields.front(), "", fields, true });
   }
   if (!(*description.PixelSpacingMm > 0))

@@ -210,6 +210,7 @@ RepairedSurface RepairSurface(const SurfaceMesh& surface, const std::optional<do
   std::vector<SoupPolygon> polygons;
   MakeSoup(surface, weld, points, polygons, repaired);
   std::vector<RepairKernel::Vector_3> normals;
+  normals.reserve(polygons.size());
   for (const SoupPolygon& polygon : polygons)
   {
     normals.push_back(CGAL::cross_product(points[polygon[1]] - points[polygon[0]],

@@ -59,9 +59,10 @@ void FollowRays(const SurfaceMesh& surface, const TriangleTree& tree, const XRay
       for (std::size_t ray = begin; ray < end; ++ray)
       {
         const double column = static_cast<double>(ray % columns);
-        const double row = static_cast<double>(ray / columns);
+        const std::size_t line = ray / columns;
         const double u = (column + 0.5) * detector.Columns / static_cast<double>(columns) - 0.5;
-        const double v = (row + 0.5) * detector.Rows / static_cast<double>(rows) - 0.5;
+        const double v =
+          (static_cast<double>(line) + 0.5) * detector.Rows / static_cast<double>(rows) - 0.5;
         const Vector3 pixel = detector.Origin + u * detector.ColumnStep + v * detector.RowStep;
         const Vector3 way = isPoint ? pixel - source.Position : source.Direction;
         const Vector3 direction = (1 / Norm(way)) * way;

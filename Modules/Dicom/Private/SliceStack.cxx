@@ -70,6 +70,7 @@ void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal
   std::size_t shared)
 {
   std::vector<std::pair<double, const VolumeSlice*>> sorted;
+  sorted.reserve(slices.size());
   for (const VolumeSlice& slice : slices)
   {
     sorted.emplace_back(Dot(*slice.Position - *slices.front().Position, normal), &slice);
