@@ -83,7 +83,7 @@ class Makers:
                                85, "--simulation-cell-size", 12, "-o", "{}"],
             "fused.nrrd": ["fuse", *result, "--image", program.phantom("labels.nrrd"), "--axes-as-given", "--spacing", 2, "-o", "{}"],
             "field.nrrd": ["displacement", *result, "--spacing", 8, "-o", "{}"],
-            "segmented.nrrd": ["segment", "--image", program.phantom("labels.nrrd"), "--axes-as-given", "-o", "{}"],
+            "segmented.seg.nrrd": ["segment", "--image", program.phantom("labels.nrrd"), "--axes-as-given", "-o", "{}"],
             "curve.csv": ["locate", *result, "--pixel", 300, 500, "-o", "{}"],
             "field.h5": ["displacement", *result, "--spacing", 8, "-o", "{}"],
             "synthetic.dcm": ["dicom", *result, "--mammogram", program.phantom("victre1_lcc_processing.dcm"), "-o", "{}"],

@@ -26,7 +26,7 @@ def commands(program, makers):
     made = ["--result", program.path("made")]
     mammogram = program.phantom("victre1_lcc_processing.dcm")
     words = {name: makers.commands[name] for name in ("mesh.vtu", "example", "image.mha", "compressed.vtu", "fused.nrrd",
-                                                      "field.nrrd", "synthetic.dcm", "segmented.nrrd", "view.png")
+                                                      "field.nrrd", "synthetic.dcm", "segmented.seg.nrrd", "view.png")
              if name in makers.commands}
     words.update({
         "register": ["register", "--labels", program.phantom("labels.nrrd"), "--materials", "victre", "--mammogram", mammogram,
