@@ -26,8 +26,8 @@ constexpr double SmallestBreastMm = 15.0;
 /// Thickness of the layer behind the chest wall's front in which muscle's intensity is measured,
 /// mm.
 constexpr double MuscleLayerMm = 10.0;
-/// Smallest thickness of muscle and ribs, mm.
-constexpr double WallMmThick = 6.0;
+/// The body's outline is refined down to this far behind the cut, mm.
+constexpr double BehindCutMm = 6.0;
 /// Muscle at the sides of the chest extends this far in front of the cut, mm.
 constexpr double SideMuscleMm = 10.0;
 /// Voxels this near to the sheet can be muscle in front of it, mm.
@@ -38,13 +38,14 @@ constexpr float ClarityOfSkin = 3.0f;
 constexpr int CoilRounds = 2;
 /// Size of the cubic voxels for outline, chest wall and coil, mm.
 constexpr double WorkMm = 2.0;
-/// A tenth of the columns of a breast have at least this step at the chest wall; the step of the
-/// logarithm is 0.3 in a suppressed image and 1 in a plain one.
+/// A tenth of a breast's columns must have at least this step at the chest wall. The step of the
+/// logarithm is about 0.3 in a suppressed image and 1 in a plain one.
 constexpr double SmallestLargeStep = 0.1;
 /// Gland is at most this many times as bright as suppressed fat.
 constexpr float BrightestGland = 4.0f;
-/// Fat whose suppression failed, against muscle, and against gland, which is as bright as muscle in
-/// T1; smallest radius of a part, and reach of what surrounds it, mm.
+/// Fat whose suppression failed is at least this many times as bright as muscle (gland is about as
+/// bright as muscle in T1). Parts thinner than twice the radius do not count; brightened fat
+/// reaches this far beyond the others. mm.
 constexpr double UnsuppressedOverMuscle = 1.6;
 constexpr double UnsuppressedRadiusMm = 3.0;
 constexpr double UnsuppressedReachMm = 5.0;
@@ -52,8 +53,9 @@ constexpr double UnsuppressedReachMm = 5.0;
 constexpr double SmallestContrast = 3.0;
 /// Smallest muscle level that can be distinguished from suppressed fat.
 constexpr double DarkestSuppressedMuscle = 1.05;
-/// The contrast of an image is clear if the chest wall's step under the other assumption is at most
-/// this fraction of that under the better one. Measured: 0.5 to 0.8, but 0.94 of a dense breast.
+/// The contrast of an image is clear if the chest wall's step under the worse of both assumptions
+/// is less than this fraction of that under the better one. Measured: 0 to 0.8 of most patients;
+/// near 1 of dense breasts and of phantoms without lungs.
 constexpr double LargestOtherContrast = 0.9;
 /// Steps, distances and multiples of noise that count in BreastQuality.
 constexpr float SeenStep = 0.2f;
@@ -361,6 +363,7 @@ private:
     this->HalfSkin =
       SkinThreshold(this->Air, this->Channels.front().Work, this->Channels.front().FatBright);
     const std::vector<Channel> scanned = this->Channels;
+    std::vector<FloatImage::Pointer> levels(scanned.size());
     for (int round = 0; round < CoilRounds; ++round)
     {
       const MaskImage::Pointer inner =
@@ -377,8 +380,8 @@ private:
         {
           throw InputError("MRI: expected a breast, found no tissue in front of the chest wall");
         }
+        levels[n] = level;
         channel.Work = Divide(scanned[n].Work, level);
-        channel.Image = Divide(scanned[n].Image, ResampleLike(level, *scanned[n].Image));
         channel.MuscleLevel = this->MuscleLevelOf(channel);
         fatness.push_back(
           Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));
@@ -386,6 +389,11 @@ private:
       // Lung, which is darker than muscle, and brighter tissue no longer produce steps.
       this->TakeWall(
         RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->WorkWall.Stiff));
+    }
+    for (std::size_t n = 0; n < scanned.size(); ++n)
+    {
+      this->Channels[n].Image =
+        Divide(scanned[n].Image, ResampleLike(levels[n], *scanned[n].Image));
     }
   }
 
@@ -455,8 +463,8 @@ private:
   }
 
   /// Refines the skin line to a voxel, within a few millimetres of the outline: voxels half filled
-  /// with skin are body. Voxels at the chest wall are body, however dark, so that no air reaches
-  /// the lungs.
+  /// with skin are body. Where tissue hardly stands out from noise, the outline stays as it is.
+  /// Voxels behind the chest wall's front are body, however dark, so that no air reaches the lungs.
   void RefineBody()
   {
     this->Report(0.67, "find the skin line");
@@ -474,15 +482,12 @@ private:
         const double above = this->AboveChestWallMm(voxel);
         const double heightMm = this->HeightMm(voxel);
         const bool atWall = above <= 0 && wall[this->Column(voxel)];
-        if (clarity->GetBufferPointer()[voxel] < ClarityOfSkin)
-        {
-          return coarse->GetBufferPointer()[voxel] < 0.5f && !atWall &&
-            heightMm > this->CutMm - WallMmThick;
-        }
-        const bool tissue = sure->GetBufferPointer()[voxel] > 0.5f ||
-          (near->GetBufferPointer()[voxel] > 0.5f &&
-            this->Uncorrected->GetBufferPointer()[voxel] >= half->GetBufferPointer()[voxel]);
-        return !tissue && !atWall && heightMm > this->CutMm - WallMmThick;
+        const bool tissue = clarity->GetBufferPointer()[voxel] < ClarityOfSkin
+          ? coarse->GetBufferPointer()[voxel] >= 0.5f
+          : sure->GetBufferPointer()[voxel] > 0.5f ||
+            (near->GetBufferPointer()[voxel] > 0.5f &&
+              this->Uncorrected->GetBufferPointer()[voxel] >= half->GetBufferPointer()[voxel]);
+        return !tissue && !atWall && heightMm > this->CutMm - BehindCutMm;
       });
     this->Report(0.7, "find the skin line");
     const MaskImage::Pointer body = LargestComponent(Complement(ReachedFromFront(dark)));
@@ -720,8 +725,8 @@ private:
     const double head = (planes - 1 - this->Air.Planes[1]) * WorkMm;
     if (feet + head > 0)
     {
-      result.Warnings.push_back("left out " + NumberText(feet) + " mm at the feet's and " +
-        NumberText(head) + " mm at the head's end, whose tissue is as dark as noise");
+      result.Warnings.push_back(NumberText(feet) + " mm at the feet's end and " + NumberText(head) +
+        " mm at the head's end are left out: tissue there is as dark as noise");
     }
   }
 

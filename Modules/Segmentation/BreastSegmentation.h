@@ -97,16 +97,16 @@ struct BreastQuality
 {
   /// Both if the volume shows one breast.
   BreastSide Side = BreastSide::Both;
-  /// Fraction of the columns in which fat ends at the chest wall's front and muscle begins: their
-  /// difference there is at least a fifth of that between fat and muscle.
+  /// Fraction of the columns in which the image shows the chest wall's front: intensities fall
+  /// there by at least a fifth of the difference between fat and muscle.
   double WallSeen = 0;
-  /// Fraction of the columns in which two ways to find the front agree within 4 mm: from steps of
-  /// the image's logarithm, and from the parts of fat and muscle after the coil's correction.
+  /// Fraction of the columns in which two ways to find the front agree within 4 mm: one uses the
+  /// logarithm of the scanned image, the other the image after the coil's correction.
   double WallAgreement = 0;
   /// Fraction of the columns in which the skin's surroundings are at least three times as bright as
   /// noise; elsewhere the outline is extrapolated.
   double SkinSeen = 0;
-  /// What to doubt and why, one sentence without a stop; empty if the borders show well.
+  /// What is doubtful and why, in one line; empty if the borders show well.
   std::string Doubt;
 };
 
@@ -143,8 +143,8 @@ struct SegmentationResult
  *   skin nearby. Axial planes at either end without enough signal become air.
  * - Chest wall: one smooth sheet, a height over the coronal plane, with fat in front and muscle
  *   behind (see Private/ChestWall.h). Everything behind it within the body, lung included, is chest
- *   wall, down to the coronal plane
- *   ChestWallDepthMm behind its front (the 90th percentile). Everything farther back becomes air.
+ *   wall, down to the coronal plane ChestWallDepthMm behind its front (the 90th percentile).
+ *   Everything farther back becomes air.
  * - Coil: the image is divided by the intensity of the breast's fat, a smooth function.
  * - Gland: voxels beyond Otsu's threshold. It is computed in the breast together with the adjacent
  *   muscle, so that a breast of almost pure fat has a second class, too. Gland is darker or

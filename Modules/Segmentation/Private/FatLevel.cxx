@@ -14,7 +14,7 @@ namespace mammoray
 namespace
 {
 constexpr double CoarseMm = 24.0;
-/// Reach of the estimate that gland starts from, wider than compact gland, mm.
+/// Reach of the first estimate where gland's level is known, wider than compact gland, mm.
 constexpr double WideMm = 40.0;
 constexpr double EarlyReachMm = 18.0;
 constexpr double LateReachMm = 12.0;
@@ -155,6 +155,7 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
   {
     return nullptr;
   }
+  const double logGland = gland > 0 ? std::log(gland) : 0.0;
   const double quantile = fatBright ? 0.9 : 0.25;
   const float whole = Quantile(region.Logs, quantile);
   FloatImage::Pointer level =
@@ -182,15 +183,14 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
       double other = 0;
       if (gland > 0)
       {
-        const double awayFromGland = (residual - std::log(gland)) / GlandTolerance;
+        const double awayFromGland = (residual - logGland) / GlandTolerance;
         other = std::exp(-awayFromGland * awayFromGland);
         // Each voxel is one of them.
         const double both = std::max(1.0, fat + other);
         fat /= both;
         other /= both;
       }
-      const double value =
-        fat * region.Logs[n] + other * (region.Logs[n] - std::log(std::max(gland, 1e-30)));
+      const double value = fat * region.Logs[n] + other * (region.Logs[n] - logGland);
       sums->GetBufferPointer()[block] += static_cast<float>(value);
       weights->GetBufferPointer()[block] += static_cast<float>(fat + other);
       sum += value;

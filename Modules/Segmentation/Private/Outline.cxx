@@ -23,7 +23,8 @@ constexpr double HighestRatio = 1.2;
 constexpr double NoiseTop = 1.8;
 /// Parts connected with the body by less than twice this are not body (ghosts, the coil), mm.
 constexpr double BridgeMm = 4.0;
-/// Reach of the level of tissue, and of a voxel's neighbours in the outline's model, mm.
+/// The level of tissue is the mean over this reach, on voxels of this size; neighbours of a voxel
+/// are those within this distance; mm.
 constexpr double LevelBlockMm = 4.0;
 constexpr double LevelReachMm = 20.0;
 constexpr double NeighbourMm = 3.0;

@@ -46,12 +46,11 @@ MAMMORAYSEGMENTATION_EXPORT void Measure(SegmentationResult& result);
 
 /**
  * Throws InputError, with the value, on results that no breast has: less than 15 or more than 5000
- * cm3 per breast, more than 300 mm of depth, more than 0.9 of gland. Warns of the doubts about the
- * quality, and of rare results: less
- * than 60 or more than 3000 cm3, gland below 0.005 or above 0.6, skin above a third, gland more
- * than twice or less than half as bright as muscle (not T1-weighted, or contrast medium). `breasts`
- * is the number of breasts in the result; `glandGiven` is true if the caller chose gland's
- * threshold.
+ * cm3 per breast, more than 300 mm of depth, more than 0.9 of gland. Warns of doubtful qualities
+ * and of rare results: less than 60 or more than 3000 cm3, gland below 0.005 or above 0.6, skin
+ * above a third, gland more than twice or less than half as bright as muscle (not T1-weighted, or
+ * contrast medium). `breasts` is the number of breasts in the result; `glandGiven` is true if the
+ * caller chose gland's threshold.
  */
 MAMMORAYSEGMENTATION_EXPORT void Judge(SegmentationResult& result, int breasts, bool glandGiven);
 }
