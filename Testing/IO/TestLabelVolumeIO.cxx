@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -63,20 +64,28 @@ void Put(std::string& bytes, std::size_t offset, T value)
   std::memcpy(bytes.data() + offset, &value, sizeof(T));
 }
 
-/// The oblique volume as NIfTI-1 (little-endian host), its LPS frame written as RAS.
-std::string ObliqueNifti(bool sform, bool qform)
+/// NIfTI-1 of bytes (little-endian host), all 0 and in no frame yet; spacings in mm.
+std::string EmptyNifti(std::int16_t columns, std::int16_t rows, std::int16_t slices,
+  const std::array<float, 3>& spacing)
 {
-  const LabelVolume volume = Oblique();
-  std::string bytes(352 + volume.Voxels.size(), '\0');
+  std::string bytes(352 + static_cast<std::size_t>(columns) * rows * slices, '\0');
   Put<std::int32_t>(bytes, 0, 348);
-  const std::int16_t dim[4] = { 3, 3, 4, 2 };
+  const std::int16_t dim[4] = { 3, columns, rows, slices };
   std::memcpy(bytes.data() + 40, dim, sizeof(dim));
   Put<std::int16_t>(bytes, 70, 2);
-  const float pixdim[4] = { 1, 0.5f, 1.5f, 2.0f };
+  const float pixdim[4] = { 1, spacing[0], spacing[1], spacing[2] };
   std::memcpy(bytes.data() + 76, pixdim, sizeof(pixdim));
   Put<float>(bytes, 108, 352);
   bytes[123] = 2;
   std::memcpy(bytes.data() + 344, "n+1", 4);
+  return bytes;
+}
+
+/// The oblique volume as NIfTI, its LPS frame written as RAS.
+std::string ObliqueNifti(bool sform, bool qform)
+{
+  const LabelVolume volume = Oblique();
+  std::string bytes = EmptyNifti(3, 4, 2, { 0.5f, 1.5f, 2.0f });
   const double sign[3] = { -1, -1, 1 };
   if (sform)
   {
@@ -261,16 +270,7 @@ TEST(LabelVolumeIO, SmallShearsAreResampled)
 {
   const TemporaryFolder folder;
   // 21 x 21 x 3 voxels of 1 mm, whose j axis leans towards i by 0.1; a block in their middle.
-  std::string bytes(352 + 21 * 21 * 3, '\0');
-  Put<std::int32_t>(bytes, 0, 348);
-  const std::int16_t dim[4] = { 3, 21, 21, 3 };
-  std::memcpy(bytes.data() + 40, dim, sizeof(dim));
-  Put<std::int16_t>(bytes, 70, 2);
-  const float pixdim[4] = { 1, 1, 1, 1 };
-  std::memcpy(bytes.data() + 76, pixdim, sizeof(pixdim));
-  Put<float>(bytes, 108, 352);
-  bytes[123] = 2;
-  std::memcpy(bytes.data() + 344, "n+1", 4);
+  std::string bytes = EmptyNifti(21, 21, 3, { 1, 1, 1 });
   Put<std::int16_t>(bytes, 254, 1);
   const float rows[12] = { 1, 0.1f, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 };
   std::memcpy(bytes.data() + 280, rows, sizeof(rows));
