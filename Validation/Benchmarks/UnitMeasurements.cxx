@@ -28,7 +28,7 @@ Json MeasureUnit(const ExampleScene& scene, ProjectorOptions::Method method, dou
   const auto materials = static_cast<int>(water.Materials.size());
   const std::vector<double> decrements = RefractiveDecrements(spectrum, water, materials,
     std::vector<bool>(water.Materials.size(), true));
-  // As --unit realistic has them.
+  // As --realistic has them.
   const ScatterModel scatter(FindScatterKernels(), spectrum, response, 17, AntiscatterGrid({}));
   const OpenFieldOptions heel{ true, { 20, 0.0005, "W" } };
   const auto field = [&]

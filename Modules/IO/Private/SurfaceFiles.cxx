@@ -168,8 +168,8 @@ vtkSmartPointer<vtkPolyData> ReadTextStl(FileWords& words)
   return list.FinishJoined();
 }
 
-/// The words of a line, without a comment.
-std::vector<std::string_view> SplitObjLine(std::string_view line)
+/// The words of a line of OBJ or of a PLY header, without a comment of OBJ.
+std::vector<std::string_view> SplitLine(std::string_view line)
 {
   std::vector<std::string_view> words;
   line = line.substr(0, line.find('#'));
@@ -255,7 +255,7 @@ private:
     for (std::string_view line = this->Words.Line(); line != "end_header";
          line = this->Words.Line())
     {
-      const std::vector<std::string_view> words = SplitObjLine(line);
+      const std::vector<std::string_view> words = SplitLine(line);
       const std::string_view first = words.empty() ? std::string_view() : words[0];
       const auto word = [&words](std::size_t index)
       { return index < words.size() ? std::string(words[index]) : std::string(); };
@@ -459,7 +459,7 @@ vtkSmartPointer<vtkPolyData> ReadObj(const std::string& path)
     const auto refuse = [&](const char* expected) {
       throw InputError(where + ": expected " + expected + ", found '" + line.substr(0, 60) + "'");
     };
-    const std::vector<std::string_view> parts = SplitObjLine(line);
+    const std::vector<std::string_view> parts = SplitLine(line);
     if (parts.empty())
     {
       continue;
