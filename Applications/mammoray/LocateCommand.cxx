@@ -69,7 +69,9 @@ void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
   std::printf("receptor    %9.2f %9.2f mm (gantry x, y)\n", imaged.ReceptorMm[0],
     imaged.ReceptorMm[1]);
   std::printf("pixel       %9.1f %9.1f (column, row, from 0)%s\n", imaged.Column, imaged.Row,
-    imaged.InImage ? "" : "; outside the mammogram");
+    imaged.InImage               ? ""
+      : imaged.ReceptorMm[1] < 0 ? "; behind the receptor's edge, where no mammogram shows it"
+                                 : "; outside the mammogram");
   if (imaged.Uncertainty)
   {
     const std::array<double, 9>& covariance = *imaged.Covariance;

@@ -269,6 +269,22 @@ TEST_F(RegisteredPhantom, LocatesLandmarksAndBack)
   EXPECT_GE(imagedCount, 10);
 }
 
+TEST_F(RegisteredPhantom, SaysWhatNoMammogramShows)
+{
+  const std::vector<Landmark> landmarks = ReadLandmarks(Data + "/victre-phantom-1/landmarks.csv");
+  const RegisteredBreast breast(this->Result);
+  const auto behind = std::find_if(landmarks.begin(), landmarks.end(),
+    [&](const Landmark& landmark)
+    { return breast.ToMammogram(landmark.Uncompressed).ReceptorMm[1] < -1; });
+  ASSERT_NE(behind, landmarks.end());
+  const Vector3& at = behind->Uncompressed;
+  ASSERT_EQ(this->Run("locate --result " + this->Result + " --point " + std::to_string(at[0]) +
+              " " + std::to_string(at[1]) + " " + std::to_string(at[2])),
+    0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("behind the receptor's edge"));
+}
+
 TEST_F(RegisteredPhantom, LocatesWhatLiesBehindAPixel)
 {
   ASSERT_EQ(this->Run("locate --result " + this->Result + " --pixel 200 500 -o " +

@@ -212,6 +212,12 @@ TEST(RegistrationReport, HangsAnObliqueViewWithTheHeadUp)
   made.Report.Places[0].Imaged.ReceptorMm = { 6, 18 };
   WriteRegistrationReport(made.Report, folder.File("report"));
   EXPECT_THAT(test::ReadFile(folder.File("report/report.html")), HasSubstr("8 mm to HL of it"));
+  EXPECT_THAT(test::ReadFile(folder.File("report/report.html")),
+    HasSubstr("which lies beside the picture"));
+  made.Report.Places[0].Imaged.ReceptorMm = { 6, -4 };
+  WriteRegistrationReport(made.Report, folder.File("behind"));
+  EXPECT_THAT(test::ReadFile(folder.File("behind/report.html")),
+    HasSubstr("4 mm behind the receptor’s edge, where no mammogram shows it"));
 }
 
 TEST(RegistrationReport, SaysWhatTheHeaderSaysBesideWhatWasFound)

@@ -36,7 +36,11 @@ std::string PlaceHtml(const PlaceInMammogram& place, const AnsweredMammogram& ma
   const auto axis = [](double sigmaMm) { return NumberText(Deviations95 * sigmaMm, 1); };
   html += FromForemost(imaged.ReceptorMm, mammogram) + "pixel column " +
     NumberText(imaged.Column, 0) + ", row " + NumberText(imaged.Row, 0) +
-    (imaged.InImage ? "" : ", which lies beside the picture") + "; <b>" +
+    (imaged.InImage                ? std::string()
+        : imaged.ReceptorMm[1] < 0 ? ", " + NumberText(-imaged.ReceptorMm[1], 0) +
+          " mm behind the receptor’s edge, where no mammogram shows it"
+                                   : std::string(", which lies beside the picture")) +
+    "; <b>" +
     (imaged.Uncertainty ? "within " + axis(imaged.Uncertainty->MajorMm) + " × " +
           axis(imaged.Uncertainty->MinorMm) + " mm"
                         : "within what is not known") +
