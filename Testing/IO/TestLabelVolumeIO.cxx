@@ -224,9 +224,15 @@ TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
   EXPECT_EQ(given.Origin[0], -10.5);
   EXPECT_EQ(given.Origin[2], 30);
   // Neither form: spacing alone, nothing to convert.
+  notes.Lines.clear();
   const LabelVolume plain = ReadLabelFile(folder.Write("p.nii", ObliqueNifti(false, false)));
   EXPECT_EQ(plain.Direction[0], (Vector3{ 1, 0, 0 }));
   EXPECT_EQ(plain.Spacing, (Vector3{ 0.5, 1.5, 2 }));
+  const auto says = testing::AllOf(testing::HasSubstr("qform_code and sform_code are 0"),
+    testing::HasSubstr("taken as LPS unless an orientation is set"));
+  EXPECT_THAT(notes.Lines, testing::ElementsAre(says));
+  ReadIntensityFile(folder.File("p.nii"));
+  EXPECT_THAT(notes.Lines, testing::ElementsAre(says, says));
 }
 
 TEST(LabelVolumeIO, QformsAndSformsThatContradictEachOther)

@@ -49,7 +49,7 @@ private:
  * states: the sform if its code is 1 (scanner) or there is no qform, otherwise the qform. ITK makes
  * their axes orthonormal. Throws InputError if sform and qform are mirror images of each other.
  * Notes if they differ otherwise by more than half a voxel, and if the size of a voxel is not that
- * of pixdim. Does nothing if the header has neither.
+ * of pixdim. If the header has neither, keeps the grid and notes that its axes count as LPS.
  */
 MAMMORAYIO_EXPORT void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header,
   VolumeGrid& grid);
