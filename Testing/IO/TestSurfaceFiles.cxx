@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -395,6 +396,52 @@ TEST_F(SurfaceFiles, PolygonsAreCutIntoTriangles)
   wrong.Faces[4][1] = 70000;
   EXPECT_THAT(this->Refusal("wrong.ply", Ply(wrong, "ascii", false)),
     HasSubstr("face 4 of 6: expected 0 to 7, found 70000"));
+}
+
+TEST_F(SurfaceFiles, OnlyPlacesOfVerticesNeedBeNumbers)
+{
+  const std::string header = "element vertex 8\nproperty float x\nproperty float y\nproperty float "
+                             "z\nproperty float distance\nproperty list uchar float weights\n"
+                             "element face 6\nproperty list uchar int vertex_indices\nproperty "
+                             "double quality\nend_header\n";
+  std::string text = "ply\nformat ascii 1.0\n" + header;
+  std::string binary = "ply\nformat binary_little_endian 1.0\n" + header;
+  const auto nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Vector3& point : Cube().Points)
+  {
+    text += Numbers(point) + " nan 2 -nan(ind) inf\n";
+    for (const double number : point)
+    {
+      binary += Bytes(static_cast<float>(number));
+    }
+    binary += Bytes(nan) + '\2' + Bytes(nan) + Bytes(nan);
+  }
+  for (const Polygon& face : Cube().Faces)
+  {
+    text += "4";
+    binary += '\4';
+    for (const int corner : face)
+    {
+      text += " " + std::to_string(corner);
+      binary += Bytes(static_cast<std::int32_t>(corner));
+    }
+    text += " NaN\n";
+    binary += Bytes(static_cast<double>(nan));
+  }
+  this->ExpectVolume("text.ply", text, 1000, 12);
+  this->ExpectVolume("binary.ply", binary, 1000, 12);
+  EXPECT_THAT(this->Refusal("cut.ply", text.substr(0, text.size() - 5)),
+    HasSubstr("expected face 5 of 6, found the end of the file"));
+  std::string coloured = Obj(Cube());
+  for (std::size_t end = coloured.find("\nv"); end != std::string::npos;
+       end = coloured.find("\nv", end + 1))
+  {
+    coloured.insert(end, " 1 nan nan nan");
+  }
+  this->ExpectVolume("coloured.obj", coloured, 1000, 12);
+  const std::size_t place = text.find("end_header\n") + 11;
+  EXPECT_THAT(this->Refusal("place.ply", text.replace(place, text.find(' ', place) - place, "nan")),
+    HasSubstr("expected vertex 0 of 8, found 'nan'"));
 }
 
 TEST_F(SurfaceFiles, WhatAnObjHasBesideItsFacesIsPassedOver)

@@ -356,6 +356,19 @@ private:
     }
   }
 
+  /// Passes over a value that nobody needs, in a text any word: "nan" of what was not measured.
+  void PassOver(PlyProperty::Type type)
+  {
+    if (this->Format != "ascii")
+    {
+      this->Number(type);
+    }
+    else if (this->Words.Next().empty())
+    {
+      this->Words.Refuse(this->Expected, "");
+    }
+  }
+
   /// The next number, which counts or names one of `most` things.
   vtkIdType Index(PlyProperty::Type type, double most)
   {
@@ -377,11 +390,14 @@ private:
     {
       if (!property.IsList)
       {
-        const double value = this->Number(property.Of);
         if (element.Name == "vertex" && property.Name.size() == 1 && property.Name[0] >= 'x' &&
           property.Name[0] <= 'z')
         {
-          place[property.Name[0] - 'x'] = value;
+          place[property.Name[0] - 'x'] = this->Number(property.Of);
+        }
+        else
+        {
+          this->PassOver(property.Of);
         }
         continue;
       }
@@ -398,7 +414,7 @@ private:
         }
         else
         {
-          this->Number(property.Of);
+          this->PassOver(property.Of);
         }
       }
       if (isFace && count < 3)
