@@ -2,6 +2,7 @@
 #include "mammoray/IO/MeshConversion.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -23,6 +24,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -57,13 +59,16 @@ std::vector<std::string> FindMaterialNames(vtkDataObject* data)
   return names;
 }
 
-std::uint16_t MaterialAt(vtkDataArray* array, vtkIdType cell)
+/// A cell's material. `kind`: of data, for messages.
+std::uint16_t MaterialAt(vtkDataArray* array, vtkIdType cell, const char* kind)
 {
+  const int components = array->GetNumberOfComponents();
   const double value = array->GetComponent(cell, 0);
-  if (!(value >= 0 && value <= 65535) || value != static_cast<double>(static_cast<int>(value)))
+  if (components != 1 || !(value >= 0 && value <= 65535) || value != std::floor(value))
   {
-    throw InputError("surface: cell " + std::to_string(cell) + ": expected '" + array->GetName() +
-      "' to be a whole number from 0 to 65535, found " + std::to_string(value));
+    throw InputError(std::string(kind) + ": cell " + std::to_string(cell) + ": expected '" +
+      array->GetName() + "' to be a whole number from 0 to 65535, found " +
+      (components == 1 ? NumberText(value) : std::to_string(components) + " numbers"));
   }
   return static_cast<std::uint16_t>(value);
 }
@@ -229,7 +234,7 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
     {
       mesh.Cells.push_back(static_cast<std::int32_t>(ids->GetId(corner)));
     }
-    mesh.Materials.push_back(static_cast<std::int32_t>(materials->GetComponent(cell, 0)));
+    mesh.Materials.push_back(MaterialAt(materials, cell, "grid"));
   }
   if (materialNames)
   {
@@ -296,9 +301,9 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
   for (vtkIdType polygon = 0; polygon < cellCount; ++polygon)
   {
     const vtkIdType cell = before + polygon;
-    const std::uint16_t ahead = front ? MaterialAt(front, cell) : std::uint16_t{ 0 };
-    const std::uint16_t behind = back ? MaterialAt(back, cell)
-      : inside                        ? MaterialAt(inside, cell)
+    const std::uint16_t ahead = front ? MaterialAt(front, cell, "surface") : std::uint16_t{ 0 };
+    const std::uint16_t behind = back ? MaterialAt(back, cell, "surface")
+      : inside                        ? MaterialAt(inside, cell, "surface")
                                       : std::uint16_t{ 1 };
     for (const vtkIdType corner : cutter.Cut(polygon))
     {

@@ -33,7 +33,8 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralM
 
 /**
  * Converts a grid back. Throws InputError, which names the cell, on cells other than linear
- * tetrahedra, and if the cell array "Material" is missing. `materialNames` receives the field array
+ * tetrahedra, on materials that are no whole number in [0, 65535], and if the cell array "Material"
+ * is missing. `materialNames` receives the field array
  * if there is one.
  */
 MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,

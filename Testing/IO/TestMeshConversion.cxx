@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/XRay/ExampleScenes.h"
 
 #include "vtkCellData.h"
 #include "vtkCellType.h"
+#include "vtkDoubleArray.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPolyData.h"
@@ -13,6 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
 using namespace mammoray;
@@ -62,6 +65,29 @@ TEST(MeshConversion, OtherGridsAreRefused)
   const vtkIdType corners[3] = { 0, 1, 2 };
   mixed->InsertNextCell(VTK_TRIANGLE, 3, corners);
   EXPECT_THROW(FromGrid(mixed), InputError);
+}
+
+TEST(MeshConversion, MaterialsThatAreNoWholeNumbersAreRefused)
+{
+  const auto grid = ToGrid(TwoCells(), {});
+  // As a program leaves them that averages the values of points.
+  vtkNew<vtkDoubleArray> materials;
+  materials->SetName(MaterialArrayName);
+  materials->InsertNextValue(2);
+  materials->InsertNextValue(1);
+  grid->GetCellData()->AddArray(materials);
+  EXPECT_THAT(FromGrid(grid).Materials, testing::ElementsAre(2, 1));
+  for (const auto& [value, found] : { std::pair{ 1.5, "found 1.5" }, std::pair{ -1.0, "found -1" },
+         std::pair{ 1e10, "found 1e+10" }, std::pair{ std::nan(""), "found nan" } })
+  {
+    materials->SetValue(1, value);
+    EXPECT_THAT(test::RefusalOf([&] { FromGrid(grid); }),
+      testing::AllOf(testing::HasSubstr("cell 1: expected 'Material' to be a whole number"),
+        testing::EndsWith(found)));
+  }
+  materials->SetNumberOfComponents(2);
+  materials->SetNumberOfTuples(2);
+  EXPECT_THAT(test::RefusalOf([&] { FromGrid(grid); }), testing::EndsWith("found 2 numbers"));
 }
 
 TEST(MeshConversion, PlacementsComeBack)
