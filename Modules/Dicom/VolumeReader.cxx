@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -159,6 +160,31 @@ void ReadSegmentNames(DcmDataset& data, SegmentedSlices& segments)
   }
 }
 
+/// Notes segments with fractions of which none counts as inside, where those of others do.
+/// `largest`: the largest value of each segment.
+void NoteFaintSegments(const std::map<int, int>& largest, const SegmentedSlices& segments, int half,
+  int most, const std::string& path)
+{
+  const auto reaches = [half](const auto& segment) { return segment.second >= half; };
+  if (!std::any_of(largest.begin(), largest.end(), reaches))
+  {
+    return; // HalfOfFractions has said it of all.
+  }
+  for (const auto& [number, value] : largest)
+  {
+    const auto named = std::find(segments.Numbers.begin(), segments.Numbers.end(), number);
+    if (value > 0 && value < half)
+    {
+      Note(path + ": segment " + std::to_string(number) +
+        (named == segments.Numbers.end() ? ""
+                                         : " '" +
+              segments.Names[static_cast<std::size_t>(named - segments.Numbers.begin())] + "'") +
+        ": no fraction reaches half of " + std::to_string(most) + ", the largest is " +
+        std::to_string(value) + ": nothing is inside");
+    }
+  }
+}
+
 /// The frames of a segmentation, each with the number of its segment as its label.
 SegmentedSlices ReadSegmentation(const std::string& path)
 {
@@ -172,6 +198,7 @@ SegmentedSlices ReadSegmentation(const std::string& path)
   const SegmentPixels pixels = FindSegmentPixels(file.Data(), frames.Count(), path);
   SegmentedSlices segments;
   ReadSegmentNames(file.Data(), segments);
+  std::map<int, int> largest;
   for (std::size_t frame = 0; frame < frames.Count(); ++frame)
   {
     const std::unique_ptr<DcmItem> header = frames.Flat(frame);
@@ -191,9 +218,12 @@ SegmentedSlices ReadSegmentation(const std::string& path)
     for (std::size_t pixel = 0; pixel < slice.Values.size(); ++pixel)
     {
       slice.Values[pixel] = static_cast<float>(pixels.Label(frame, pixel, number));
+      largest[number] = std::max(largest[number], pixels.Value(frame * pixels.PerFrame() + pixel));
     }
     segments.Slices.push_back(std::move(slice));
   }
+  NoteFaintSegments(largest, segments, pixels.IsMap ? 0 : pixels.Half,
+    DicomShort(file.Data(), DCM_MaximumFractionalValue).value_or(1), path);
   return segments;
 }
 

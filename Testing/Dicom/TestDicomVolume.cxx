@@ -76,8 +76,16 @@ struct Frame
   std::vector<int> Values; // 4 x 3
 };
 
-std::string SegmentationFile(const std::vector<Frame>& frames, int bits)
+/// `names`: those of the segments from 1 on.
+std::string SegmentationFile(const std::vector<Frame>& frames, int bits,
+  const std::vector<std::string>& names = {})
 {
+  std::vector<std::string> described;
+  for (const std::string& name : names)
+  {
+    described.push_back(Element(0x62, 4, "US", Us(static_cast<int>(described.size()) + 1)) +
+      Element(0x62, 5, "LO", name));
+  }
   std::vector<std::string> groups;
   std::string pixels;
   std::size_t count = 0;
@@ -107,6 +115,7 @@ std::string SegmentationFile(const std::vector<Frame>& frames, int bits)
       Element(0x28, 4, "CS", "MONOCHROME2") +
       Element(0x28, 8, "IS", std::to_string(frames.size())) + Element(0x28, 0x10, "US", Us(3)) +
       Element(0x28, 0x11, "US", Us(4)) + Bits(bits) +
+      (names.empty() ? "" : Sequence(0x62, 2, described)) +
       (bits == 8 ? Element(0x62, 0xe, "US", Us(200)) : "") + Sequence(0x5200, 0x9229, { shared }) +
       Sequence(0x5200, 0x9230, groups) + Element(0x7fe0, 0x10, "OB", pixels));
 }
@@ -253,6 +262,22 @@ TEST(DicomLabels, FractionsNeedTheirMaximum)
   std::string binary = SegmentationFile({ { 0, 2, ones }, { 1, 2, ones } }, 8);
   binary.replace(binary.find(maximum), maximum.size(), "");
   EXPECT_EQ(ReadLabelVolume(folder.Write("seg.dcm", binary)).CountLabels().at(2), 4u);
+}
+
+TEST(DicomLabels, SegmentsWithoutAnyFractionOfAHalfAreNoted)
+{
+  TemporaryFolder folder;
+  const std::vector<Frame> frames{ { 0, 1, std::vector<int>(12, 120) },
+    { 0, 2, std::vector<int>(12, 80) }, { 1, 1, std::vector<int>(12, 30) },
+    { 1, 2, std::vector<int>(12, 30) }, { 1, 3, std::vector<int>(12, 0) } };
+  NoteKeeper notes;
+  const LabelVolume volume = ReadLabelVolume(
+    folder.Write("seg.dcm", SegmentationFile(frames, 8, { "fat", "gland", "skin" })));
+  EXPECT_EQ(volume.CountLabels().count(2), 0u);
+  // Not of segment 1, which reaches it somewhere, nor of 3, which is empty.
+  EXPECT_THAT(notes.Lines,
+    testing::ElementsAre(
+      HasSubstr("segment 2 'gland': no fraction reaches half of 200, the largest is 80")));
 }
 
 TEST(DicomLabels, LabelMapsHoldTheNumbersOfSegments)
