@@ -30,7 +30,107 @@ constexpr std::size_t MostLetters = 200;
 /// Mass fraction by atomic number.
 using MassFractions = std::map<int, double>;
 
-/// Mass fractions of a formula or an element; empty if the text is neither.
+/// Heavier elements than lead and bismuth, which no part is made of, are not taken for a mistake.
+constexpr int HeaviestUsual = 83;
+
+/// "phosphorus and boron", of a formula's symbols.
+std::string ElementsIn(const std::vector<std::string>& symbols)
+{
+  std::vector<std::string> names;
+  for (const std::string& symbol : symbols)
+  {
+    const int number = SymbolToAtomicNumber(symbol.c_str(), nullptr);
+    const std::string name = number > 0 && number <= 92 ? ElementName(number) : symbol;
+    if (std::find(names.begin(), names.end(), name) == names.end())
+    {
+      names.push_back(name);
+    }
+  }
+  std::string text;
+  for (std::size_t index = 0; index < names.size(); ++index)
+  {
+    text += index == 0 ? "" : index + 1 < names.size() ? ", " : " and ";
+    text += names[index];
+  }
+  return text;
+}
+
+/// The other element for which a pair of symbols in capitals stands perhaps, "Pb" for PB; empty if
+/// there is none. `isWhole`: the formula has no numbers. "CO2", "K2CO3" and organic formulas have
+/// pairs that nobody takes for cobalt.
+std::string MistakenSymbol(const std::string& text, std::size_t at, bool isWhole)
+{
+  const std::string symbol{ text[at],
+    static_cast<char>(std::tolower(static_cast<unsigned char>(text[at + 1]))) };
+  const int number = SymbolToAtomicNumber(symbol.c_str(), nullptr);
+  const bool isOrganic = text.find('C') != std::string::npos && text.find('H') != std::string::npos;
+  const std::set<std::string> groups{ "Co", "Cs", "Ho", "Os" };
+  const bool isPossible = isWhole || (!isOrganic && groups.count(symbol) == 0);
+  const int heaviest = text.size() == 2 ? 94 : HeaviestUsual;
+  return number > 0 && number <= heaviest && isPossible ? symbol : "";
+}
+
+/**
+ * Throws InputError on a formula that may mean something else: in capitals, a pair that is another
+ * element's symbol ("PB", "SIO2"); without numbers, an element twice in a row ("PP") or capitals
+ * that begin with P, as the short names of plastics do ("PSU"). With all numbers ("P1B1") a
+ * formula has one meaning.
+ */
+void RefuseAmbiguousFormula(const std::string& text)
+{
+  std::vector<std::string> symbols;
+  std::string withNumbers;
+  bool isTwice = false;
+  for (std::size_t at = 0; at < text.size();)
+  {
+    std::string symbol(1, text[at++]);
+    if (std::isupper(static_cast<unsigned char>(symbol[0])) == 0)
+    {
+      withNumbers += symbol;
+      continue;
+    }
+    while (at < text.size() && std::islower(static_cast<unsigned char>(text[at])) != 0)
+    {
+      symbol += text[at++];
+    }
+    isTwice = isTwice || (!symbols.empty() && symbols.back() == symbol);
+    symbols.push_back(symbol);
+    const bool hasNumber =
+      at < text.size() && (std::isdigit(static_cast<unsigned char>(text[at])) || text[at] == '.');
+    withNumbers += symbol + (hasNumber ? "" : "1");
+  }
+  const bool isWhole = std::all_of(text.begin(), text.end(),
+    [](unsigned char letter) { return std::isalpha(letter) != 0; });
+  const bool isCapital = std::none_of(text.begin(), text.end(),
+    [](unsigned char letter) { return std::islower(letter) != 0; });
+  std::string problem;
+  for (std::size_t at = 0; isCapital && problem.empty() && at + 1 < text.size(); ++at)
+  {
+    const bool isPair = std::isupper(static_cast<unsigned char>(text[at])) != 0 &&
+      std::isupper(static_cast<unsigned char>(text[at + 1])) != 0;
+    const std::string other = isPair ? MistakenSymbol(text, at, isWhole) : "";
+    if (!other.empty())
+    {
+      problem = "; " + ElementsIn({ other }) + " is '" + other + "'";
+    }
+  }
+  if (problem.empty() && isWhole && isTwice)
+  {
+    problem = ", one of them twice in a row";
+  }
+  if (problem.empty() && isWhole && isCapital && text.size() > 1 && text[0] == 'P')
+  {
+    problem = "; if it is a plastic, its full name or composition is needed";
+  }
+  if (!problem.empty())
+  {
+    throw InputError("'" + text + "' is a formula of " + ElementsIn(symbols) + problem +
+      " (as a formula: '" + withNumbers + "')");
+  }
+}
+
+/// Mass fractions of a formula or an element; empty if the text is neither. Throws InputError on an
+/// ambiguous formula.
 MassFractions ParseFormula(const std::string& text)
 {
   // xraylib's parser leaks memory on texts that are no formula, so it gets possible ones only.
@@ -49,6 +149,10 @@ MassFractions ParseFormula(const std::string& text)
   for (int element = 0; compound && element < compound->nElements; ++element)
   {
     fractions[compound->Elements[element]] += compound->massFractions[element];
+  }
+  if (!fractions.empty())
+  {
+    RefuseAmbiguousFormula(text);
   }
   return fractions;
 }
@@ -149,20 +253,22 @@ CompositionParts Parse(const std::string& text)
   {
     found.MassFractions = ParseMixture(text);
   }
-  if (found.MassFractions.empty())
+  if (!found.MassFractions.empty())
   {
-    found.MassFractions = ParseFormula(text);
-    if (found.MassFractions.size() == 1)
-    {
-      found.DensityGPerCm3 = ElementDensity(found.MassFractions.begin()->first, nullptr);
-    }
+    return found;
   }
-  const NamedMaterial* const named =
-    found.MassFractions.empty() ? FindNamedMaterial(text) : nullptr;
+  // Names come first: PVC is no formula of phosphorus, vanadium and carbon.
+  const NamedMaterial* const named = FindNamedMaterial(text);
   if (named && named->Composition != text)
   {
     found = Parse(named->Composition);
     found.DensityGPerCm3 = named->DensityGPerCm3 > 0 ? named->DensityGPerCm3 : found.DensityGPerCm3;
+    return found;
+  }
+  found.MassFractions = ParseFormula(text);
+  if (found.MassFractions.size() == 1)
+  {
+    found.DensityGPerCm3 = ElementDensity(found.MassFractions.begin()->first, nullptr);
   }
   return found;
 }

@@ -20,12 +20,13 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> CompositionNames();
  * Schoonjans et al., Spectrochimica Acta B 66, 2011), 1 to 500 keV, absorption edges resolved:
  *  - a name of CompositionNames, whatever its case and punctuation, or a part of it that no other
  *    has ("water", "Lucite"), with NIST's density as the nominal one;
- *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH";
+ *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH"; ambiguous ones, such as "PB", "SIO2"
+ *    or "PP", need all numbers ("P1B1");
  *  - mass fractions, "H:0.102 C:0.184 N:0.032 O:0.677 S:0.005": elements or formulas, each once,
  *    that sum to 1 within 0.01.
  * Elements and compounds have a density, formulas and fractions none (HasDensity); their table is
  * that of 1 g/cm^3. Returns false if the text has none of these forms. Throws InputError on
- * unusable mass fractions.
+ * unusable mass fractions and ambiguous formulas.
  */
 MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTable& table);
 

@@ -217,6 +217,41 @@ TEST(Composition, EverydayNamesAreKnown)
     testing::HasSubstr("did you mean Rhodium"));
 }
 
+TEST(Composition, PlasticsAreNoFormulas)
+{
+  // NIST's compounds: density, and the heaviest element, which an accidental formula would have.
+  const std::tuple<const char*, double, int> plastics[] = { { "PP", 0.90, 6 }, { "PS", 1.06, 6 },
+    { "PC", 1.20, 8 }, { "PET", 1.40, 8 }, { "PVC", 1.30, 17 }, { "PI", 1.42, 8 } };
+  for (const auto& [name, density, heaviest] : plastics)
+  {
+    const CompositionParts parts = ParseComposition(name, "test");
+    EXPECT_NEAR(parts.DensityGPerCm3, density, 0.03) << name;
+    EXPECT_EQ(parts.MassFractions.rbegin()->first, heaviest) << name;
+  }
+}
+
+TEST(Composition, FormulasInCapitalsThatMeanAnotherElementAreRefused)
+{
+  const auto refusal = [](const char* text)
+  { return RefusalOf([text] { ParseComposition(text, "test"); }); };
+  EXPECT_EQ(refusal("PB"),
+    "'PB' is a formula of phosphorus and boron; lead is 'Pb' (as a formula: 'P1B1')");
+  const std::pair<const char*, const char*> mistaken[] = { { "NI", "nickel is 'Ni'" },
+    { "CU", "copper is 'Cu'" }, { "CO", "cobalt is 'Co'" }, { "SI", "silicon is 'Si'" },
+    { "HF", "hafnium is 'Hf'" }, { "SN", "tin is 'Sn'" }, { "CSI", "cesium is 'Cs'" },
+    { "SIO2", "'S1I1O2'" }, { "CUSO4", "copper is 'Cu'" }, { "PPS", "'P1P1S1'" },
+    { "OO", "twice in a row" }, { "PSU", "a plastic" }, { "PB:0.5 C:0.5", "lead is 'Pb'" } };
+  for (const auto& [text, expected] : mistaken)
+  {
+    EXPECT_THAT(refusal(text), testing::HasSubstr(expected)) << text;
+  }
+  for (const char* clear : { "P1B1", "BP", "BN", "WC", "UO2", "CO2", "K2CO3", "CS2", "HNO3",
+         "H3PO4", "KOH", "CaCO3", "NaHCO3", "CH3COOH", "C9H8INO", "P2O5", "PH3", "P", "C1O1" })
+  {
+    EXPECT_FALSE(ParseComposition(clear, "test").MassFractions.empty()) << clear;
+  }
+}
+
 TEST(Composition, BracketsWithoutEndAreNoFormula)
 {
   AttenuationTable table;

@@ -80,6 +80,15 @@ constexpr const char* CommonNames[][2] = {
   { "PETE", "Polyethylene Terephthalate (Mylar)" },
   { "HDPE", "Polyethylene" },
   { "PE", "Polyethylene" },
+  { "PP", "Polypropylene" },
+  { "PS", "Polystyrene" },
+  { "PC", "Polycarbonate (Makrolon, Lexan)" },
+  { "PA", "Nylon, type 6 and type 6/6" },
+  { "PI", "Kapton Polyimide Film" },
+  { "PAN", "Polyacrylonitrile" },
+  { "PVOH", "Polyvinyl Alcohol" },
+  { "PVP", "Polyvinyl Pyrrolidone" },
+  { "PVDC", "Polyvinylidene Chloride, Saran" },
   { "POM", "Polyoxymethylene" },
   { "Delrin", "Polyoxymethylene" },
   { "Acetal", "Polyoxymethylene" },
@@ -235,6 +244,13 @@ const MaterialNameList& NameList()
 const NamedMaterial* FindNamedMaterial(const std::string& text)
 {
   return NameList().Find(text);
+}
+
+std::string ElementName(int number)
+{
+  std::string name = ElementNames[number - 1];
+  name.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(name.front())));
+  return name;
 }
 
 std::vector<std::string> NamesOfMaterials()

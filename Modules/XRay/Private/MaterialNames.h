@@ -26,6 +26,9 @@ struct NamedMaterial
  */
 const NamedMaterial* FindNamedMaterial(const std::string& text);
 
+/// The English name of an element in lower case, "aluminum" of 13. `number`: 1 to 92.
+std::string ElementName(int number);
+
 /// The names of all materials that FindNamedMaterial knows, each once as it is listed.
 std::vector<std::string> NamesOfMaterials();
 }
