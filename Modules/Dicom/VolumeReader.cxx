@@ -152,12 +152,30 @@ void ReadSegmentNames(DcmDataset& data, SegmentedSlices& segments)
   {
     const std::string name = DicomTexts(*segment, DCM_SegmentLabel);
     const int number = DicomShort(*segment, DCM_SegmentNumber).value_or(0);
-    if (number > 0 && !name.empty())
+    if (number > 0)
     {
       segments.Numbers.push_back(number);
       segments.Names.push_back(name);
     }
   }
+}
+
+/// Throws unless the file describes the segment of a number, if it describes any.
+void CheckDescribed(const SegmentedSlices& segments, int number, const std::string& where)
+{
+  if (segments.Numbers.empty() ||
+    std::find(segments.Numbers.begin(), segments.Numbers.end(), number) != segments.Numbers.end())
+  {
+    return;
+  }
+  std::string described;
+  for (std::size_t index = 0; index < segments.Numbers.size(); ++index)
+  {
+    described += (described.empty() ? "" : ", ") + std::to_string(segments.Numbers[index]) + " '" +
+      segments.Names[index] + "'";
+  }
+  throw InputError(where + ": expected a segment that the file describes (" + described +
+    "), found number " + std::to_string(number));
 }
 
 /// Notes segments with fractions of which none counts as inside, where those of others do.
@@ -214,6 +232,10 @@ SegmentedSlices ReadSegmentation(const std::string& path)
     if (number < 1 && !pixels.IsMap)
     {
       throw InputError(slice.Name + ": expected a segment number of at least 1, found none");
+    }
+    if (!pixels.IsMap)
+    {
+      CheckDescribed(segments, number, slice.Name);
     }
     for (std::size_t pixel = 0; pixel < slice.Values.size(); ++pixel)
     {
@@ -440,7 +462,10 @@ LabelVolume ReadDicomLabels(const std::string& path)
   labels.Voxels.assign(values.Voxels.begin(), values.Voxels.end());
   for (std::size_t index = 0; index < segments.Names.size(); ++index)
   {
-    labels.Names.try_emplace(segments.Numbers[index], segments.Names[index]);
+    if (!segments.Names[index].empty())
+    {
+      labels.Names.try_emplace(segments.Numbers[index], segments.Names[index]);
+    }
   }
   return labels;
 }

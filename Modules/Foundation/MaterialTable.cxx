@@ -125,6 +125,35 @@ std::optional<int> FindMaterial(const MaterialTable& table, const LabelVolume& l
     ? MaterialByNumber(table, label)
     : std::nullopt;
 }
+
+/// Throws if a list is not empty. `unknown`: labels that are no material. `unnamed`: values that no
+/// segment of the file has. `more`: that some are left out of the lists.
+void RefuseUnknown(const MaterialTable& table, const LabelVolume& labels,
+  const std::string& volumeName, const std::string& unknown, const std::string& unnamed,
+  const std::string& more)
+{
+  std::string refusal;
+  if (!unnamed.empty())
+  {
+    std::string segments;
+    for (const auto& [label, name] : labels.Names)
+    {
+      segments += (segments.empty() ? "" : ", ") + NameOfLabel(labels, label);
+    }
+    refusal = "value " + unnamed + (unknown.empty() ? more : "") +
+      " belongs to no segment of the file, which has " + segments;
+  }
+  if (!unknown.empty())
+  {
+    refusal += (refusal.empty() ? "" : "; ") + ("label " + unknown) + more +
+      " is not in the material table '" + table.Name + "'" +
+      (labels.Names.empty() ? "" : ", which has " + KnownNames(table));
+  }
+  if (!refusal.empty())
+  {
+    throw InputError(volumeName + ": " + refusal);
+  }
+}
 }
 
 LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
@@ -132,6 +161,7 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
 {
   constexpr int mostNamed = 10; // an MRI in place of labels has thousands
   std::string unknown;
+  std::string unnamed;
   std::string renumbered;
   int unknownLabels = 0;
   std::vector<std::uint16_t> materialOf(65536, 0);
@@ -145,9 +175,11 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
       byNumber ? MaterialByNumber(*this, label) : FindMaterial(*this, labels, label);
     if (!material)
     {
+      // A value that none of the file's segments has is not a question of the table.
+      std::string& list = labels.Names.empty() || labels.Names.count(label) > 0 ? unknown : unnamed;
       if (++unknownLabels <= mostNamed)
       {
-        unknown += (unknown.empty() ? "" : ", ") + NameOfLabel(labels, label) + " (" +
+        list += (list.empty() ? "" : ", ") + NameOfLabel(labels, label) + " (" +
           std::to_string(count) + " voxels)";
       }
       continue;
@@ -161,14 +193,8 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
     }
     tissueVoxels += *material != 0 ? count : 0;
   }
-  if (!unknown.empty())
-  {
-    const std::string more = unknownLabels > mostNamed
-      ? " and " + std::to_string(unknownLabels - mostNamed) + " more"
-      : "";
-    throw InputError(volumeName + ": label " + unknown + more + " is not in the material table '" +
-      this->Name + "'" + (labels.Names.empty() ? "" : ", which has " + KnownNames(*this)));
-  }
+  RefuseUnknown(*this, labels, volumeName, unknown, unnamed,
+    unknownLabels > mostNamed ? " and " + std::to_string(unknownLabels - mostNamed) + " more" : "");
   if (tissueVoxels == 0)
   {
     throw InputError(

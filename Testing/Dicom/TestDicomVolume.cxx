@@ -280,6 +280,17 @@ TEST(DicomLabels, SegmentsWithoutAnyFractionOfAHalfAreNoted)
       HasSubstr("segment 2 'gland': no fraction reaches half of 200, the largest is 80")));
 }
 
+TEST(DicomLabels, FramesOfSegmentsThatAreNotDescribedAreRefused)
+{
+  TemporaryFolder folder;
+  const std::vector<int> values{ 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+  const std::vector<Frame> frames{ { 0, 1, values }, { 1, 5, values } };
+  EXPECT_THAT(
+    LabelsRefusal(folder.Write("seg.dcm", SegmentationFile(frames, 1, { "fat", "gland" }))),
+    HasSubstr("frame 2: expected a segment that the file describes (1 'fat', 2 'gland'), found "
+              "number 5"));
+}
+
 TEST(DicomLabels, LabelMapsHoldTheNumbersOfSegments)
 {
   TemporaryFolder folder;

@@ -134,8 +134,15 @@ TEST(MaterialTable, UnknownNamesAreRefusedWithTheKnownOnes)
   volume.Voxels = { 1, 1, 2, 29 };
   volume.Names = { { 1, "tumour" }, { 2, "fat" } };
   const std::string refusal = RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); });
-  EXPECT_THAT(refusal, HasSubstr("label 1 'tumour' (2 voxels), 29 (1 voxels) is not in"));
+  EXPECT_THAT(refusal, HasSubstr("label 1 'tumour' (2 voxels) is not in the material table"));
   EXPECT_THAT(refusal, HasSubstr("which has air, fat, gland"));
+  // What no segment has is not a question of the table, which has a 29.
+  EXPECT_THAT(refusal,
+    HasSubstr("v: value 29 (1 voxels) belongs to no segment of the file, which has 1 'tumour', "
+              "2 'fat'"));
+  volume.Names = { { 1, "fat" } };
+  EXPECT_EQ(RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    "v: value 2 (1 voxels), 29 (1 voxels) belongs to no segment of the file, which has 1 'fat'");
 }
 
 TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
