@@ -61,17 +61,27 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
       "T1 native", "T1 unenhanced", "t1 w/o contrast", "T1 without contrast",
       "T1 without IV contrast", "T1 wo gad", "T1 non contrast", "t1 ohne KM",
       "t1 ohne Kontrastmittel", "t1 vor KM", "T1 sans injection", "T1 sans gado",
-      "T1 sin contraste", "T1 sem contraste", "T1 senza mdc", "T1 basale", "T1 avant injection" })
+      "T1 sin contraste", "T1 sem contraste", "T1 senza mdc", "T1 basale", "T1 avant injection",
+      "T1 ax senza mdc", "T1 prima del mezzo di contrasto", "T1 pre-mdc", "T1 sin civ",
+      "T1 antes del contraste", "T1 s/ contraste", "T1 avant injection de gadolinium",
+      "AX T1 FS NON INJECTE", "T1 zonder contrast", "T1 voor gadolinium", "T1 SPAIR blanco",
+      "T1 before contrast injection", "T1 prior to contrast", "T1 no contrast", "T1 non-enhanced" })
   {
     EXPECT_EQ(PhaseByWords(description), ContrastPhase::Before) << description;
   }
-  for (const char* description : { "T1 post", "T1 post contrast", "T1 postgad", "T1 +C", "T1 C+",
-         "T1 with contrast", "t1 nach KM", "t1 mit KM", "t1 KM", "t1 nach Kontrastmittel",
-         "T1 avec injection", "T1 con contraste", "T1 com contraste", "T1 delayed", "T1 late",
-         "T1 tardif", "T1 Gadovist", "T1 2nd pass",
-         // In UTF-8 and in Latin 1, both cases.
-         "T1 apr\xc3\xa8s injection", "T1 APR\xc3\x88S INJECTION", "T1 apr\xe8s inj",
-         "T1 apres injection", "t1 sp\xc3\xa4t", "t1 SP\xc3\x84T", "t1 sp\xe4tphase", "t1 spaet" })
+  for (const char* description :
+    { "T1 post", "T1 post contrast", "T1 postgad", "T1 +C", "T1 C+", "T1 with contrast",
+      "t1 nach KM", "t1 mit KM", "t1 KM", "t1 nach Kontrastmittel", "T1 avec injection",
+      "T1 con contraste", "T1 com contraste", "T1 delayed", "T1 late", "T1 tardif", "T1 Gadovist",
+      "T1 2nd pass", "T1 3D FS assiale dopo mdc", "T1 dopo gadolinio", "T1 con mdc", "T1 mdc",
+      "T1 dopo mezzo di contrasto", "T1 AX FATSAT POS CONTRASTE", "T1 p\xc3\xb3s-contraste",
+      "T1 P\xd3S CONTRASTE", "T1 ap\xc3\xb3s contraste", "T1 c/ contraste",
+      "T1 despu\xc3\xa9s de gadolinio", "T1 tras contraste", "T1 con CIV", "T1 contrastado",
+      "AX T1 FS INJECTE 2", "T1 apr\xc3\xa8s gado", "T1 nach Gabe KM", "t1 nach Kontrast",
+      "T1 ax SPAIR na contrast", "T1 na gadolinium", "T1 met contrast", "T1 na gd",
+      // In UTF-8 and in Latin 1, both cases.
+      "T1 apr\xc3\xa8s injection", "T1 APR\xc3\x88S INJECTION", "T1 apr\xe8s inj",
+      "T1 apres injection", "t1 sp\xc3\xa4t", "t1 SP\xc3\x84T", "t1 sp\xe4tphase", "t1 spaet" })
   {
     EXPECT_EQ(PhaseByWords(description), ContrastPhase::After) << description;
   }

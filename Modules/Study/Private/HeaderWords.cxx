@@ -128,31 +128,36 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
       "dyn\\w*",
       "cVIBE, VIBRANT-XV, eTHRIVE, flash3d, fl3d_tra, LAVA, BLISS, FSPGR, Dynamic" },
 
-    { M::BeforeContrast, "", "pre ?[cg]\\w*", "t1_pre_gd" },
-    { M::BeforeContrast, "de", "pre ?km|nativ|(?:ohne|vor) ?(?:iv )?<agent>",
-      "t1 tra pre KM, T1 nativ, t1 ohne Kontrastmittel" },
-    { M::BeforeContrast, "fr", "nati[fv]\\w*|(?:sans|avant) ?(?:iv )?<agent>",
-      "T1 native, T1 avant injection" },
-    { M::BeforeContrast, "en", "unenhanced|non ?contrast|(?:w o|wo|without) ?(?:iv )?<agent>",
-      "T1 unenhanced, T1 non contrast, T1 without IV contrast" },
-    { M::BeforeContrast, "it", "basale?|senza ?(?:iv )?<agent>", "T1 basale, T1 senza mdc" },
-    { M::BeforeContrast, "es", "sin ?(?:iv )?<agent>", "T1 sin contraste" },
-    { M::BeforeContrast, "pt", "sem ?(?:iv )?<agent>", "T1 sem contraste" },
+    { M::BeforeContrast, "", "pre ?<agent>|pre ?[cg]\\w*", "T1 pre mdc, t1_pre_gd" },
+    { M::BeforeContrast, "de", "nativ|(?:ohne|vor) ?<agent>", "T1 nativ, t1 ohne Kontrastmittel" },
+    { M::BeforeContrast, "fr", "nati[fv]\\w*|(?:sans|avant|non) ?<agent>",
+      "T1 native, T1 avant injection de gadolinium" },
+    { M::BeforeContrast, "en",
+      "(?:un|non ?)enhanced|(?:non?|w o|wo|without|before|prior to) ?<agent>",
+      "T1 unenhanced, T1 without IV contrast" },
+    { M::BeforeContrast, "it", "basale?|(?:senza|prima) ?<agent>", "T1 basale, T1 prima del mdc" },
+    { M::BeforeContrast, "es", "(?:sin|antes) ?<agent>", "T1 sin CIV" },
+    { M::BeforeContrast, "pt", "sem ?<agent>|s contrast\\w*", "T1 sem contraste, T1 S/ CONTRASTE" },
+    { M::BeforeContrast, "nl", "blanco|(?:zonder|voor) ?<agent>", "T1 blanco, T1 zonder contrast" },
+    { M::BeforeContrast, "sv", "ut[ae]n ?<agent>", "T1 utan kontrast" },
     { M::BeforeContrast, "", "pre|nonc|mask", "T1 pre, T1 NonC, VIBRANT MASK" },
 
     { M::AfterContrast, "",
-      "post\\w*|gad\\w*|gd|\\+ ?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
-      "T1 postgad, T1 Gadovist, T1 Gd, T1 +C, T1 C+, T1 Dotarem, T1 Magnevist, T1 ProHance, "
-      "T1 MultiHance" },
-    { M::AfterContrast, "de", "(?:mit|nach) ?km|km|kontrast\\w*|spae?t(?:e\\w*|phase\\w*)?",
-      "t1 nach KM, t1 KM, t1 nach Kontrastmittel, t1 Sp\xc3\xa4tphase" },
+      "post\\w*|gad\\w*|gd|mdc|civ|\\+ ?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
+      "T1 postgad, T1 Gadovist, T1 Gd, T1 mdc, T1 CIV, T1 +C, T1 C+, T1 Dotarem, T1 Magnevist, "
+      "T1 ProHance, T1 MultiHance" },
+    { M::AfterContrast, "de", "(?:mit|nach) ?<agent>|km|kontrast\\w*|spae?t(?:e\\w*|phase\\w*)?",
+      "t1 nach KM, t1 KM, t1 Kontrastmittel, t1 Sp\xc3\xa4tphase" },
     { M::AfterContrast, "en",
-      "contrast|delay\\w*|late|\\d(?:st|nd|rd|th) pass|(?:with|after) ?<given>",
-      "T1 contrast, T1 delayed, T1 late, T1 2nd pass, T1 with contrast" },
-    { M::AfterContrast, "fr", "tardi\\w*|(?:avec|apres) ?<given>",
-      "T1 tardif, T1 apr\xc3\xa8s injection" },
-    { M::AfterContrast, "es", "con ?<given>", "T1 con contraste" },
-    { M::AfterContrast, "pt", "com ?<given>", "T1 com contraste" },
+      "(?:with|after) ?<agent>|contrast\\w*|delay\\w*|late|\\d(?:st|nd|rd|th) pass",
+      "T1 with contrast, T1 contrast, T1 delayed, T1 late, T1 2nd pass" },
+    { M::AfterContrast, "fr", "(?:avec|apres) ?<agent>|tardi\\w*|inj\\w*",
+      "T1 apr\xc3\xa8s injection, T1 tardif, T1 inject\xc3\xa9" },
+    { M::AfterContrast, "es", "(?:con|tras|despues) ?<agent>|iny\\w*",
+      "T1 despu\xc3\xa9s de contraste, T1 inyectado" },
+    { M::AfterContrast, "pt", "(?:com|pos|apos|depois) ?<agent>", "T1 p\xc3\xb3s contraste" },
+    { M::AfterContrast, "it", "dopo ?<agent>", "T1 dopo mdc" },
+    { M::AfterContrast, "nl", "(?:na|met) ?<agent>", "T1 na contrast" },
 
     { M::NoAgent, "en", "no|none|without", "NO, None, without" },
     { M::NoAgent, "", "n|nil|0", "N, nil, 0" },
@@ -181,8 +186,12 @@ std::string PatternOf(const HeaderVocabularyRow& row)
 {
   std::string pattern = row.Words;
   Replace(pattern, "<fat>", "(?:fat ?sat\\w*|fs|fat ?sup\\w*|fat|spair|sat)");
-  Replace(pattern, "<agent>", "(?:c|ce|contrast\\w*|kontrast\\w*|gad\\w*|gd|iv|km|mdc|inj\\w*)");
-  Replace(pattern, "<given>", "(?:c|contrast\\w*|gad\\w*|inj\\w*|mdc)");
+  // "contrast", "iv contrast", "del medio di contrasto", "injection de gadolinium".
+  const std::string agent = "(?:c|ce|contrast\\w*|kontrast\\w*|gad\\w*|gd|iv|civ|km|mdc|pdc|"
+                            "in[jy]\\w*|iniez\\w*)";
+  const std::string between = "(?:(?:iv|ev|an?|da|de|del|della|dell|dem|der|di|do|du|el|het|il|la|"
+                              "le|l|o|of|the|agent|med[iz]o|meio|mezzo|produit) )*";
+  Replace(pattern, "<agent>", between + agent + "(?: " + between + agent + ")*");
   return pattern;
 }
 

@@ -68,7 +68,8 @@ struct HeaderVocabularyRow
   /// Language code, or "" for terms that all sites use.
   const char* Language;
   /// Regular expressions, separated by '|', for whole words in lower case without accents. <fat>
-  /// stands for words for fat suppression, <agent> and <given> for words for a contrast agent.
+  /// stands for words for fat suppression, <agent> for words for a contrast agent and its
+  /// injection.
   const char* Words;
   /// A description for each expression, separated by commas.
   const char* Examples;
