@@ -191,6 +191,7 @@ ViewedBreast ReadMeshes(const ViewInput& input)
       { "Materials", "", { "Materials" } });
   }
   viewed.Materials = FindMaterialTable(input.Materials);
+  FitGrid(grid, viewed.Materials, path);
   viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? DefaultSpectrum : input.Spectrum);
   viewed.Axes = AnatomicalAxes::FromCode(input.Orientation);
   viewed.Breast.Compressed = grid;
@@ -292,10 +293,8 @@ void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
 /// The pose that is asked for, and what follows of it.
 void Complete(const ViewInput& input, ViewedBreast& viewed)
 {
-  viewed.Anatomy = FromGrid(viewed.Breast.Uncompressed);
-  std::vector<std::string> names;
-  FromGrid(viewed.Breast.Compressed, &names);
-  viewed.Materials.CheckMesh(viewed.Anatomy, names, viewed.Name);
+  viewed.Anatomy = FitGrid(viewed.Breast.Uncompressed, viewed.Materials, viewed.Name);
+  FitGrid(viewed.Breast.Compressed, viewed.Materials, viewed.Name);
   const bool uncompressed = PointsOf(viewed.Breast.Compressed) == viewed.Anatomy.Points;
   viewed.PoseDiffers = uncompressed && input.Pose[ThicknessParameter];
   for (const PoseParameter& parameter : PoseParameters)

@@ -367,12 +367,15 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     view.Target = internal.Target;
     view.Levels = MakeLevels(view.Target, options.PixelSizesMm);
 
+    const mammoray::MaterialTable materials = FindMaterialTable(table);
     RegistrationSetup setup{ .Table = table, .Axes = axes, .Device = this->DeviceName };
     vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
     vtkImageData* labels = vtkImageData::GetData(inputs[0]);
     if (grid)
     {
-      setup.Anatomy = FromGrid(grid);
+      std::vector<std::string> names;
+      setup.Anatomy = FromGrid(grid, &names);
+      materials.FitMesh(*setup.Anatomy, names, "vtkBreastRegistration's input");
       setup.Anatomy->Validate("vtkBreastRegistration's input");
     }
     else
@@ -384,7 +387,6 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     {
       setup.Coarse = FromGrid(coarse);
     }
-    const mammoray::MaterialTable materials = FindMaterialTable(table);
     Beam beam = MakeBeam(materials, spectrum, DetectorResponse::EnergyIntegrating);
     RegistrationProblem& problem = internal.Problem;
     if (internal.PrepareModel(std::move(setup), labels, materials, beam, this->AcceptUnusual,

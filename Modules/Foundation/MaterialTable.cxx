@@ -7,31 +7,12 @@
 #include <algorithm>
 #include <cctype>
 #include <optional>
+#include <set>
 
 namespace mammoray
 {
 namespace
 {
-void CheckMaterials(const MaterialTable& table, int smallest, int largest, int least,
-  const std::vector<std::string>& names, const std::string& where)
-{
-  const int last = static_cast<int>(table.Materials.size()) - 1;
-  if (smallest < least || largest > last)
-  {
-    throw InputError(where + ": expected materials " + std::to_string(least) + " to " +
-      std::to_string(last) + " of the table '" + table.Name + "', found " +
-      std::to_string(smallest < least ? smallest : largest));
-  }
-  for (std::size_t index = 1; index < names.size() && static_cast<int>(index) <= largest; ++index)
-  {
-    if (names[index] != table.Materials[index].Name)
-    {
-      throw InputError(where + ": material " + std::to_string(index) + " is '" + names[index] +
-        "', but '" + table.Materials[index].Name + "' in the table '" + table.Name + "'");
-    }
-  }
-}
-
 std::string KnownNames(const MaterialTable& table)
 {
   std::string known;
@@ -68,15 +49,19 @@ std::optional<int> MaterialByNumber(const MaterialTable& table, int label)
   return material == table.MaterialOfLabel.end() ? std::nullopt : std::optional(material->second);
 }
 
-std::optional<int> MaterialByName(const MaterialTable& table, const LabelVolume& labels, int label)
+std::optional<int> MaterialByName(const MaterialTable& table, const std::string& name)
 {
-  const auto named = labels.Names.find(label);
-  const std::string name = named == labels.Names.end() ? "" : Plain(named->second);
   const auto material = std::find_if(table.Materials.begin(), table.Materials.end(),
-    [&name](const Material& known) { return Plain(known.Name) == name; });
+    [plain = Plain(name)](const Material& known) { return Plain(known.Name) == plain; });
   return material == table.Materials.end()
     ? std::nullopt
     : std::optional(static_cast<int>(material - table.Materials.begin()));
+}
+
+std::optional<int> MaterialByName(const MaterialTable& table, const LabelVolume& labels, int label)
+{
+  const auto named = labels.Names.find(label);
+  return named == labels.Names.end() ? std::nullopt : MaterialByName(table, named->second);
 }
 
 /// Whether no name of a label that occurs is one of the table's, although all their numbers are.
@@ -154,6 +139,51 @@ void RefuseUnknown(const MaterialTable& table, const LabelVolume& labels,
     throw InputError(volumeName + ": " + refusal);
   }
 }
+
+/// See FitMesh; `least`: the first index that may be used.
+std::map<int, int> FindMaterials(const MaterialTable& table, const std::set<int>& used, int least,
+  const std::vector<std::string>& names, const std::string& where)
+{
+  const int last = static_cast<int>(table.Materials.size()) - 1;
+  std::map<int, int> indexOf;
+  std::string unknown;
+  std::string unnamed;
+  bool isRenumbered = false;
+  for (const int material : used)
+  {
+    const auto place = static_cast<std::size_t>(material);
+    const bool isNamed = material > 0 && place < names.size() && !names[place].empty();
+    const std::optional<int> index =
+      isNamed ? MaterialByName(table, names[place]) : std::optional(material);
+    if (!index)
+    {
+      unknown += (unknown.empty() ? "'" : ", '") + names[place] + "'";
+      continue;
+    }
+    if (*index < least || *index > last)
+    {
+      throw InputError(where + ": expected materials " + std::to_string(least) + " to " +
+        std::to_string(last) + " of the table '" + table.Name + "', found " +
+        std::to_string(*index));
+    }
+    unnamed = isNamed || material == 0 ? unnamed : std::to_string(material);
+    isRenumbered = isRenumbered || *index != material;
+    indexOf[material] = *index;
+  }
+  if (!unknown.empty())
+  {
+    throw InputError(where + ": material " + unknown + " is not in the material table '" +
+      table.Name + "', which has " + KnownNames(table));
+  }
+  if (isRenumbered && !unnamed.empty())
+  {
+    throw InputError(where +
+      ": expected a name for every material, as others have them in another "
+      "order than the table '" +
+      table.Name + "', found none of material " + unnamed);
+  }
+  return indexOf;
+}
 }
 
 LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
@@ -214,34 +244,41 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   return result;
 }
 
-void MaterialTable::CheckMesh(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+void MaterialTable::FitMesh(TetrahedralMesh& mesh, const std::vector<std::string>& names,
   const std::string& where) const
 {
-  if (!mesh.Materials.empty())
+  const std::map<int, int> indexOf = FindMaterials(*this,
+    std::set<int>(mesh.Materials.begin(), mesh.Materials.end()), 1, names, where);
+  for (std::int32_t& material : mesh.Materials)
   {
-    const auto [smallest, largest] =
-      std::minmax_element(mesh.Materials.begin(), mesh.Materials.end());
-    CheckMaterials(*this, *smallest, *largest, 1, names, where);
+    material = indexOf.at(material);
   }
 }
 
-void MaterialTable::CheckMesh(const SurfaceMesh& mesh, const std::vector<std::string>& names,
+void MaterialTable::FitMesh(SurfaceMesh& mesh, const std::vector<std::string>& names,
   const std::string& where) const
 {
-  CheckMaterials(*this, 0, mesh.NumberOfMaterials() - 1, 0, names, where);
+  std::set<int> used(mesh.FrontMaterials.begin(), mesh.FrontMaterials.end());
+  used.insert(mesh.BackMaterials.begin(), mesh.BackMaterials.end());
+  const std::map<int, int> indexOf = FindMaterials(*this, used, 0, names, where);
+  for (std::vector<std::uint16_t>* const side : { &mesh.FrontMaterials, &mesh.BackMaterials })
+  {
+    for (std::uint16_t& material : *side)
+    {
+      material = static_cast<std::uint16_t>(indexOf.at(material));
+    }
+  }
 }
 
 int MaterialTable::IndexOf(const std::string& name) const
 {
-  for (std::size_t index = 0; index < this->Materials.size(); ++index)
+  const std::optional<int> index = MaterialByName(*this, name);
+  if (!index)
   {
-    if (this->Materials[index].Name == name)
-    {
-      return static_cast<int>(index);
-    }
+    throw InputError(
+      "unknown material '" + name + "'; the table '" + this->Name + "' has " + KnownNames(*this));
   }
-  throw InputError(
-    "unknown material '" + name + "'; the table '" + this->Name + "' has " + KnownNames(*this));
+  return *index;
 }
 
 std::vector<std::string> MaterialTable::Names() const

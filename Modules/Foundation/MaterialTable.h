@@ -60,14 +60,16 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
    * many) and the known names, and if all voxels are air.
    */
   LabelVolume ToMaterials(const LabelVolume& labels, const std::string& volumeName) const;
-  /// Throws InputError, starting with `where`, unless the mesh fits this table: its material
-  /// indices exist, and `names` (by index, if the mesh has them) agree. A tetrahedron must not be
-  /// air.
-  void CheckMesh(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+  /// Replaces the materials of a mesh by the table's of the same names, matched as those of labels;
+  /// `names` are by index. Materials without a name keep their number. Throws InputError, starting
+  /// with `where`, on names and numbers that the table lacks, on a tetrahedron of air, and if only
+  /// some materials have names and these come in another order.
+  void FitMesh(TetrahedralMesh& mesh, const std::vector<std::string>& names,
     const std::string& where) const;
-  void CheckMesh(const SurfaceMesh& mesh, const std::vector<std::string>& names,
+  void FitMesh(SurfaceMesh& mesh, const std::vector<std::string>& names,
     const std::string& where) const;
-  /// Index of the material with this name. Throws InputError with the known names if there is none.
+  /// Index of the material with this name, matched as those of labels. Throws InputError with the
+  /// known names if there is none.
   int IndexOf(const std::string& name) const;
   /// One entry per material, in order.
   std::vector<std::string> Names() const;

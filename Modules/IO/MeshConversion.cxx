@@ -44,7 +44,17 @@ void AddMaterialNames(vtkDataObject* data, const std::vector<std::string>& names
   data->GetFieldData()->AddArray(array);
 }
 
-/// The reverse; empty where there is no such array.
+/// Adds the cell array "Material".
+void AddMaterials(vtkUnstructuredGrid* grid, const std::vector<std::int32_t>& materials)
+{
+  vtkNew<vtkIntArray> array;
+  array->SetName(MaterialArrayName);
+  array->SetNumberOfValues(static_cast<vtkIdType>(materials.size()));
+  std::copy(materials.begin(), materials.end(), array->GetPointer(0));
+  grid->GetCellData()->AddArray(array);
+}
+
+/// Names of the field array "MaterialNames"; empty where there is no such array.
 std::vector<std::string> FindMaterialNames(vtkDataObject* data)
 {
   std::vector<std::string> names;
@@ -181,15 +191,10 @@ vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
     const std::int32_t* ids = &mesh.Cells[4 * cell];
     cells->InsertNextCell({ ids[0], ids[1], ids[2], ids[3] });
   }
-  vtkNew<vtkIntArray> materials;
-  materials->SetName(MaterialArrayName);
-  materials->SetNumberOfValues(static_cast<vtkIdType>(mesh.Materials.size()));
-  std::copy(mesh.Materials.begin(), mesh.Materials.end(), materials->GetPointer(0));
-
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid->SetPoints(points);
   grid->SetCells(VTK_TETRA, cells);
-  grid->GetCellData()->AddArray(materials);
+  AddMaterials(grid, mesh.Materials);
   if (!materialNames.empty())
   {
     AddMaterialNames(grid, materialNames);
@@ -239,6 +244,33 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
   if (materialNames)
   {
     *materialNames = FindMaterialNames(grid);
+  }
+  return mesh;
+}
+
+TetrahedralMesh FitGrid(vtkUnstructuredGrid* grid, const MaterialTable& table,
+  const std::string& where)
+{
+  std::vector<std::string> names;
+  TetrahedralMesh mesh;
+  try
+  {
+    mesh = FromGrid(grid, &names);
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(where + ": " + error.what());
+  }
+  const std::vector<std::int32_t> given = mesh.Materials;
+  table.FitMesh(mesh, names, where);
+  if (mesh.Materials != given)
+  {
+    // Shallow copies of a grid share its field data.
+    vtkNew<vtkFieldData> fields;
+    fields->ShallowCopy(grid->GetFieldData());
+    grid->SetFieldData(fields);
+    AddMaterials(grid, mesh.Materials);
+    AddMaterialNames(grid, table.Names());
   }
   return mesh;
 }

@@ -3,6 +3,7 @@
 #define mammoray_MeshConversion_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammorayIOModule.h"
 
@@ -39,6 +40,11 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralM
  */
 MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,
   std::vector<std::string>* materialNames = nullptr);
+
+/// As FromGrid and MaterialTable::FitMesh; the grid gets the table's numbers and names, too, where
+/// they differ from its own. Messages begin with `where`.
+MAMMORAYIO_EXPORT TetrahedralMesh FitGrid(vtkUnstructuredGrid* grid, const MaterialTable& table,
+  const std::string& where);
 
 /// What a cell of VTK's type is: "quadratic hexahedron".
 MAMMORAYIO_EXPORT std::string NameOfCellType(int type);

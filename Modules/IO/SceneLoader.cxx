@@ -81,35 +81,6 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
   scene.Samples.push_back(std::move(placed));
 }
 
-/// Numbers the surface's materials as the table has their names. A name that the table lacks leaves
-/// all as they are, for CheckMesh.
-void TakeOrder(const MaterialTable& table, SurfaceMesh& surface, std::vector<std::string>& names)
-{
-  const std::vector<std::string> known = table.Names();
-  std::vector<std::uint16_t> indices{ 0 };
-  for (std::size_t index = 1; index < names.size(); ++index)
-  {
-    const auto found = std::find(known.begin(), known.end(), names[index]);
-    if (found == known.end())
-    {
-      return;
-    }
-    indices.push_back(static_cast<std::uint16_t>(found - known.begin()));
-  }
-  if (surface.NumberOfMaterials() > static_cast<int>(indices.size()))
-  {
-    return;
-  }
-  for (std::vector<std::uint16_t>* side : { &surface.FrontMaterials, &surface.BackMaterials })
-  {
-    for (std::uint16_t& material : *side)
-    {
-      material = indices[material];
-    }
-  }
-  names = known;
-}
-
 /// The interfaces of a mesh's file, whose materials are those of the scene's table.
 void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
 {
@@ -131,8 +102,7 @@ void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
   {
     ScaleSurface(path, LengthUnitMm(unit), path, *surface);
   }
-  TakeOrder(scene.Materials, *surface, names);
-  scene.Materials.CheckMesh(*surface, names, path);
+  scene.Materials.FitMesh(*surface, names, path);
   scene.Samples.push_back({ std::move(surface) });
 }
 

@@ -41,14 +41,15 @@ double RollOfView(const CompressionCase& input)
   return *roll;
 }
 
-BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAxes& axes,
-  const std::optional<LabelVolume>& volume)
+BreastModelOptions ModelOptions(const CompressionCase& input, const MaterialTable& materials,
+  const AnatomicalAxes& axes, const std::optional<LabelVolume>& volume)
 {
   BreastModelOptions options;
   options.Volume = volume;
   if (!input.SimulationMesh.empty())
   {
-    options.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
+    options.SimulationMesh =
+      FitGrid(ReadMesh(input.SimulationMesh), materials, input.SimulationMesh);
   }
   options.CellSizeMm = input.SimulationCellSizeMm;
   options.Compression = input.Loading;
@@ -124,7 +125,7 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   CompressionCaseResult result;
   result.Materials = FindMaterialTable(input.Materials);
   result.Rest = ReadMesh(input.Mesh);
-  const TetrahedralMesh mesh = FromGrid(result.Rest);
+  const TetrahedralMesh mesh = FitGrid(result.Rest, result.Materials, input.Mesh);
   mesh.Validate(input.Mesh);
   std::optional<LabelVolume> volume;
   if (!input.Labels.Path.empty())
@@ -141,7 +142,7 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   pose.RollDeg += RollOfView(input);
 
   BreastModel model(mesh, ElasticTable(result.Materials), {},
-    ModelOptions(input, placement.Axes, volume), progress);
+    ModelOptions(input, result.Materials, placement.Axes, volume), progress);
   CompressionSimulation& simulation = model.Body().Simulation();
   result.SimulationCells = model.NumberOfSimulationCells();
   result.Unknowns = simulation.NumberOfUnknowns();

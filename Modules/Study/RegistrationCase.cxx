@@ -57,9 +57,8 @@ private:
 
 TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& table)
 {
-  TetrahedralMesh mesh = FromGrid(ReadMesh(path));
+  TetrahedralMesh mesh = FitGrid(ReadMesh(path), table, path);
   mesh.Validate(path);
-  table.CheckMesh(mesh, {}, path);
   return mesh;
 }
 

@@ -106,6 +106,27 @@ TEST_F(CompressCommand, WritesTheCompressedMesh)
   EXPECT_EQ(grid->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0), 46);
 }
 
+TEST_F(CompressCommand, TakesMaterialsByNameWhateverTheirOrder)
+{
+  TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
+  for (std::int32_t& material : mesh.Materials)
+  {
+    material = 3 - material;
+  }
+  WriteMesh(ToGrid(mesh, { "air", "Muscle", "Fat" }), this->Folder.File("other.vtu"));
+  ASSERT_EQ(this->Run("compress " + this->Coarse + " --thickness 46"), 0) << this->Errors;
+  const TetrahedralMesh expected = FromGrid(ReadMesh(this->Result));
+  ASSERT_EQ(this->Run("compress " + this->Common + this->Folder.File("other.vtu") +
+              " --thickness 46 --overwrite"),
+    0)
+    << this->Errors;
+  std::vector<std::string> names;
+  const TetrahedralMesh found = FromGrid(ReadMesh(this->Result), &names);
+  EXPECT_EQ(found.Materials, expected.Materials);
+  EXPECT_EQ(found.Points, expected.Points);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "muscle"));
+}
+
 TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
 {
   const std::string fine = this->Common + this->Folder.File("fine.vtu") + " --thickness 60";

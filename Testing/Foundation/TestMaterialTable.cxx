@@ -26,9 +26,9 @@ MaterialTable TwoTissues()
 }
 
 template <typename Mesh>
-std::string CheckRefusal(const Mesh& mesh, const std::vector<std::string>& names)
+std::string FitRefusal(Mesh mesh, const std::vector<std::string>& names)
 {
-  return RefusalOf([&] { TwoTissues().CheckMesh(mesh, names, "mesh.vtu"); });
+  return RefusalOf([&] { TwoTissues().FitMesh(mesh, names, "mesh.vtu"); });
 }
 }
 
@@ -36,32 +36,52 @@ TEST(MaterialTable, MeshOfItsMaterialsPasses)
 {
   TetrahedralMesh mesh;
   mesh.Materials = { 2, 1 };
-  EXPECT_EQ(CheckRefusal(mesh, {}), NotRefused);
-  EXPECT_EQ(CheckRefusal(mesh, { "air", "fat", "gland" }), NotRefused);
+  EXPECT_EQ(FitRefusal(mesh, {}), NotRefused);
+  EXPECT_EQ(FitRefusal(mesh, { "air", "fat", "gland" }), NotRefused);
   // Names beyond the materials in use say nothing.
   mesh.Materials = { 1 };
-  EXPECT_EQ(CheckRefusal(mesh, { "air", "fat", "bone" }), NotRefused);
+  EXPECT_EQ(FitRefusal(mesh, { "air", "fat", "bone" }), NotRefused);
   SurfaceMesh surface;
   surface.FrontMaterials = { 0, 1 };
   surface.BackMaterials = { 1, 2 };
-  EXPECT_EQ(CheckRefusal(surface, { "", "fat", "gland" }), NotRefused);
+  EXPECT_EQ(FitRefusal(surface, { "", "fat", "gland" }), NotRefused);
 }
 
 TEST(MaterialTable, MeshOfOtherMaterialsIsRefused)
 {
   TetrahedralMesh mesh;
   mesh.Materials = { 2, 3 };
-  EXPECT_THAT(CheckRefusal(mesh, {}),
+  EXPECT_THAT(FitRefusal(mesh, {}),
     test::Mentions("mesh.vtu", "'two tissues'", "1 to 2", "found 3"));
   mesh.Materials = { 0, 1 };
-  EXPECT_THAT(CheckRefusal(mesh, {}), HasSubstr("found 0"));
+  EXPECT_THAT(FitRefusal(mesh, {}), HasSubstr("found 0"));
   mesh.Materials = { 2, 1 };
-  EXPECT_THAT(CheckRefusal(mesh, { "air", "fat", "lesion" }),
-    test::Mentions("material 2", "'lesion'", "'gland'"));
+  EXPECT_THAT(FitRefusal(mesh, { "air", "fat", "lesion" }),
+    test::Mentions("mesh.vtu", "material 'lesion' is not in", "which has air, fat, gland"));
+  // Whatever its number.
+  mesh.Materials = { 1, 1 };
+  EXPECT_THAT(FitRefusal(mesh, { "air", "tumour" }), HasSubstr("material 'tumour' is not in"));
+  EXPECT_THAT(FitRefusal(mesh, { "air", "Air" }), HasSubstr("expected materials 1 to 2"));
+  mesh.Materials = { 1, 2 };
+  EXPECT_THAT(FitRefusal(mesh, { "air", "gland" }), HasSubstr("found none of material 2"));
   SurfaceMesh surface;
   surface.FrontMaterials = { 0 };
   surface.BackMaterials = { 3 };
-  EXPECT_THAT(CheckRefusal(surface, {}), HasSubstr("expected materials 0 to 2"));
+  EXPECT_THAT(FitRefusal(surface, {}), HasSubstr("expected materials 0 to 2"));
+}
+
+TEST(MaterialTable, MeshesTakeTheirMaterialsByName)
+{
+  TetrahedralMesh mesh;
+  mesh.Materials = { 1, 5, 1 };
+  TwoTissues().FitMesh(mesh, { "air", "GLAND ", "", "", "", "Fat" }, "mesh.vtu");
+  EXPECT_THAT(mesh.Materials, testing::ElementsAre(2, 1, 2));
+  SurfaceMesh surface;
+  surface.FrontMaterials = { 0, 1, 3 };
+  surface.BackMaterials = { 1, 2, 2 };
+  TwoTissues().FitMesh(surface, { "air", "gland", "fat", "Air" }, "mesh.vtp");
+  EXPECT_THAT(surface.FrontMaterials, testing::ElementsAre(0, 2, 0));
+  EXPECT_THAT(surface.BackMaterials, testing::ElementsAre(2, 1, 1));
 }
 
 TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
@@ -148,6 +168,7 @@ TEST(MaterialTable, UnknownNamesAreRefusedWithTheKnownOnes)
 TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
 {
   EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
+  EXPECT_EQ(TwoTissues().IndexOf("Gland"), 2);
   EXPECT_THAT(RefusalOf([&] { TwoTissues().IndexOf("bone"); }),
     testing::AllOf(HasSubstr("'bone'"), HasSubstr("air, fat, gland")));
 }

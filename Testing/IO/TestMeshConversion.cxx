@@ -90,6 +90,29 @@ TEST(MeshConversion, MaterialsThatAreNoWholeNumbersAreRefused)
   EXPECT_THAT(test::RefusalOf([&] { FromGrid(grid); }), testing::EndsWith("found 2 numbers"));
 }
 
+TEST(MeshConversion, GridsAreFittedToATableByNames)
+{
+  MaterialTable table;
+  table.Name = "two tissues";
+  table.Materials = { Material{ .Name = "air" }, Material{ .Name = "fat" },
+    Material{ .Name = "gland" } };
+  const auto grid = ToGrid(TwoCells(), { "air", "Gland", "Fat" });
+  EXPECT_THAT(FitGrid(grid, table, "a.vtu").Materials, testing::ElementsAre(2, 1));
+  std::vector<std::string> names;
+  EXPECT_THAT(FromGrid(grid, &names).Materials, testing::ElementsAre(2, 1));
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
+  // Once more it fits already.
+  EXPECT_THAT(FitGrid(grid, table, "a.vtu").Materials, testing::ElementsAre(2, 1));
+  EXPECT_THAT(test::RefusalOf(
+                [&] {
+                  FitGrid(ToGrid(TwoCells(), { "air", "fat", "cyst" }), table, "a.vtu");
+                }),
+    testing::HasSubstr("a.vtu: material 'cyst' is not in the material table 'two tissues'"));
+  grid->GetCellData()->RemoveArray(MaterialArrayName);
+  EXPECT_THAT(test::RefusalOf([&] { FitGrid(grid, table, "a.vtu"); }),
+    testing::HasSubstr("a.vtu: grid: expected the cell array 'Material'"));
+}
+
 TEST(MeshConversion, PlacementsComeBack)
 {
   const auto grid = ToGrid(TwoCells(), {});
