@@ -27,6 +27,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <regex>
 #include <utility>
 
 namespace mammoray
@@ -248,9 +249,11 @@ struct ProjectionJob
   Exposer& Device;
   const SurfaceMesh& Surface;
   Scene Standing;
+  /// The samples that make up the surface.
+  std::vector<SceneSample> Parts;
 
-  /// What is wrong with a picture, or nothing. Between explicit source and detector a part is meant
-  /// to be seen whole; a breast never is.
+  /// What is wrong with a picture, in lines, or nothing. Between explicit source and detector a
+  /// part is meant to be seen whole; a breast never is.
   std::string WarningOf(const Scene& scene, const Exposure& exposure) const
   {
     std::string holes = exposure.Lengths->InconsistencyWarning();
@@ -259,9 +262,11 @@ struct ProjectionJob
     {
       return holes;
     }
-    const std::string shadow = ShadowWarning(scene, exposure,
+    Scene inParts = scene;
+    inParts.Samples = this->Parts;
+    const std::string shadow = ShadowWarning(inParts, exposure,
       !given.Samples.empty() && given.HasSource() && given.HasDetector());
-    return shadow + (shadow.ends_with("?") ? " (--unit)" : "");
+    return std::regex_replace(shadow, std::regex("\\?(?=\n|$)"), "? (--unit)");
   }
 
   /// The `number`-th of a series from elsewhere, with noise of its own.
@@ -351,6 +356,12 @@ Vector3 MiddleOf(const SurfaceMesh& surface)
   return middle;
 }
 
+/// Each line of the text behind the prefix.
+std::string PrefixedLines(const std::string& text, const std::string& prefix)
+{
+  return prefix + std::regex_replace(text, std::regex("\n"), "\n" + prefix);
+}
+
 using TakeProjection = std::function<void(const ProjectionView& view, const Exposure& exposure)>;
 
 /// Takes all projections of a series. Gives the first warning of one, or nothing.
@@ -371,7 +382,7 @@ std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSe
     const std::string found = job.WarningOf(scene, exposure);
     if (warning.empty() && !found.empty())
     {
-      warning = "projection " + std::to_string(number) + ": " + found;
+      warning = PrefixedLines(found, "projection " + std::to_string(number) + ": ");
     }
     take(view, exposure);
     ++number;
@@ -488,7 +499,8 @@ void Run(ProjectArguments& arguments)
   Scene scene = LoadScene(arguments.Scene);
   scene.Validate();
   const std::shared_ptr<const SurfaceMesh> surface = Assemble(scene);
-  scene.Samples = { { surface } };
+  const std::vector<SceneSample> parts =
+    std::exchange(scene.Samples, std::vector<SceneSample>{ { surface } });
   const VolumeFromGantry gantry = PlaceBeam(arguments, *surface, scene);
   if (arguments.PrintScene)
   {
@@ -516,7 +528,7 @@ void Run(ProjectArguments& arguments)
   }
   ReportProgress(progress, 0.2, "tracing rays");
   Exposer exposer(Program().Projector);
-  const ProjectionJob job{ arguments, exposer, *surface, std::move(scene) };
+  const ProjectionJob job{ arguments, exposer, *surface, std::move(scene), parts };
   const std::string warning = RunAsked(job, gantry, mammogram, progress);
   const std::string dose = wantsDose
     ? DescribeDose(ComputeDose(job.Standing, ShareOf(progress, 0.85, 1.0)), job.Standing.Materials,
@@ -530,7 +542,7 @@ void Run(ProjectArguments& arguments)
   PrintProjected(arguments, job);
   if (!warning.empty())
   {
-    std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "%s\n", PrefixedLines(warning, "mammoray: warning: ").c_str());
   }
   if (!overlap.empty())
   {

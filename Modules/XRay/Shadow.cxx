@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 namespace mammoray
@@ -134,6 +135,16 @@ std::string OtherUnit(double widthMm, double pixels, double field)
   }
   return {};
 }
+
+/// "part 2 (Al)", the second sample.
+std::string PartName(const Scene& scene, std::size_t index)
+{
+  const int material = scene.Samples[index].Material;
+  const std::vector<Material>& materials = scene.Materials.Materials;
+  return "part " + std::to_string(index + 1) +
+    (material > 0 ? " (" + materials[static_cast<std::size_t>(material)].Name + ")"
+                  : std::string());
+}
 }
 
 Shadow MeasureShadow(const SurfaceMesh& surface, const XRaySource& source,
@@ -147,9 +158,6 @@ Shadow MeasureShadow(const SurfaceMesh& surface, const XRaySource& source,
   const HalfSpace beforeSource{ 0, 0, 1, 0 };
   const std::array<HalfSpace, 5> seen{ { { 0, 0, 0, 1 }, { 1, 0, 0.5, 0 }, { -1, 0, columns, 0 },
     { 0, 1, 0.5, 0 }, { 0, -1, rows, 0 } } };
-  std::array<Extent, 3> extents;
-  double all = 0;
-  double onPixels = 0;
   std::vector<ShadowPoint> polygon;
   for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
   {
@@ -162,11 +170,10 @@ Shadow MeasureShadow(const SurfaceMesh& surface, const XRaySource& source,
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
       const Vector3 point = surface.Corner(triangle, corner);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        extents[axis].Add(point[axis]);
-      }
+      shadow.Box.Add(point);
       polygon.push_back(cast(point));
+      shadow.IsBehindSource = shadow.IsBehindSource || polygon.back()[2] < -leastDepth;
+      shadow.IsBehindDetector = shadow.IsBehindDetector || polygon.back()[3] < -leastDepth;
       polygon.back()[2] -= leastDepth;
     }
     Clip(beforeSource, polygon);
@@ -177,23 +184,53 @@ Shadow MeasureShadow(const SurfaceMesh& surface, const XRaySource& source,
       shadow.Rows.Add(point[1] / point[2]);
     }
     shadow.IsBeforeSource = shadow.IsBeforeSource || !polygon.empty();
-    all += AreaOf(polygon);
+    shadow.AreaPixels += AreaOf(polygon);
     for (std::size_t space = 0; space < seen.size() && !polygon.empty(); ++space)
     {
       Clip(seen[space], polygon);
       shadow.IsBeforeDetector = shadow.IsBeforeDetector || (space == 0 && !polygon.empty());
     }
-    onPixels += AreaOf(polygon);
+    shadow.SeenPixels += AreaOf(polygon);
   }
-  shadow.Share = all > 0 ? std::min(onPixels / all, 1.0) : 0;
-  for (const Extent& extent : extents)
+  shadow.HoldsSource = source.Type == XRaySource::Kind::Point && shadow.HasMaterial;
+  for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    shadow.WidthMm = std::max(shadow.WidthMm, extent.High - extent.Low);
+    shadow.HoldsSource = shadow.HoldsSource && source.Position[axis] > shadow.Box.Low[axis] &&
+      source.Position[axis] < shadow.Box.High[axis];
   }
   return shadow;
 }
 
-std::string Shadow::Reason(const XRayDetector& detector) const
+double Shadow::Share() const
+{
+  return this->AreaPixels > 0 ? std::min(this->SeenPixels / this->AreaPixels, 1.0) : 0;
+}
+
+double Shadow::WidthPixels() const
+{
+  return std::max({ this->Columns.Length(), this->Rows.Length(), 0.0 });
+}
+
+void Shadow::Add(const Shadow& other)
+{
+  this->AreaPixels += other.AreaPixels;
+  this->SeenPixels += other.SeenPixels;
+  for (const auto& [mine, added] :
+    { std::pair{ &this->Columns, &other.Columns }, std::pair{ &this->Rows, &other.Rows } })
+  {
+    mine->Low = std::min(mine->Low, added->Low);
+    mine->High = std::max(mine->High, added->High);
+  }
+  this->Box.Add(other.Box);
+  this->HasMaterial = this->HasMaterial || other.HasMaterial;
+  this->IsBeforeSource = this->IsBeforeSource || other.IsBeforeSource;
+  this->IsBeforeDetector = this->IsBeforeDetector || other.IsBeforeDetector;
+  this->IsBehindSource = this->IsBehindSource || other.IsBehindSource;
+  this->IsBehindDetector = this->IsBehindDetector || other.IsBehindDetector;
+  this->HoldsSource = this->HoldsSource || other.HoldsSource;
+}
+
+std::string Shadow::Reason(const XRayDetector& detector, const std::string& subject) const
 {
   if (!this->HasMaterial)
   {
@@ -201,21 +238,41 @@ std::string Shadow::Reason(const XRayDetector& detector) const
   }
   if (!this->IsBeforeSource)
   {
-    return "the object lies behind the source";
+    return subject + " lies behind the source";
   }
   if (!this->IsBeforeDetector)
   {
-    return "the object lies behind the detector";
+    return subject + " lies behind the detector";
   }
-  const double wide = this->Columns.High - this->Columns.Low;
-  const double high = this->Rows.High - this->Rows.Low;
+  // Near the source the shadow is endless, so that its range tells nothing.
+  if (this->HoldsSource)
+  {
+    return "the source lies within the box around " + subject;
+  }
+  if (this->IsBehindSource)
+  {
+    return subject + " lies in part behind the source";
+  }
+  const bool isWithin = this->Columns.Low >= -0.5 && this->Columns.High <= detector.Columns - 0.5 &&
+    this->Rows.Low >= -0.5 && this->Rows.High <= detector.Rows - 0.5;
+  const std::string behind =
+    this->IsBehindDetector ? subject + " lies in part behind the detector's plane" : std::string();
+  if (this->IsBehindDetector && isWithin)
+  {
+    return behind;
+  }
   char text[200];
   std::snprintf(text, sizeof text,
-    "the object's shadow reaches from column %.4g to %.4g and row %.4g to %.4g of %d x %d pixels",
+    "'s shadow reaches from column %.4g to %.4g and row %.4g to %.4g of %d x %d pixels",
     this->Columns.Low, this->Columns.High, this->Rows.Low, this->Rows.High, detector.Columns,
     detector.Rows);
-  return text +
-    OtherUnit(this->WidthMm, std::max(wide, high), std::max(detector.Columns, detector.Rows));
+  double widthMm = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    widthMm = std::max(widthMm, this->Box.High[axis] - this->Box.Low[axis]);
+  }
+  return behind + (behind.empty() ? "" : "; ") + subject + text +
+    OtherUnit(widthMm, this->WidthPixels(), std::max(detector.Columns, detector.Rows));
 }
 
 std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wantsAll)
@@ -224,22 +281,45 @@ std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wan
   const bool isEmpty =
     std::none_of(lengths.begin(), lengths.end(), [](float length) { return length != 0; });
   const bool isLine = scene.Detector.Columns == 1 || scene.Detector.Rows == 1;
-  if (!isEmpty && (!wantsAll || isLine))
+  const bool areSeveral = scene.Samples.size() > 1;
+  if (!isEmpty && !areSeveral && (!wantsAll || isLine))
   {
     return {};
   }
-  const Shadow shadow = MeasureShadow(*Assemble(scene), scene.Source, scene.Detector);
+  std::string lines;
+  const auto add = [&lines](const std::string& line)
+  { lines += (lines.empty() ? "" : "\n") + line; };
+  Shadow seen;
+  for (std::size_t index = 0; index < scene.Samples.size(); ++index)
+  {
+    Scene alone;
+    alone.Materials = scene.Materials;
+    alone.Samples = { scene.Samples[index] };
+    const Shadow shadow = MeasureShadow(*Assemble(alone), scene.Source, scene.Detector);
+    const std::string subject = areSeveral ? PartName(scene, index) : std::string("the object");
+    const bool isBetween = shadow.IsBeforeSource && shadow.IsBeforeDetector;
+    if (areSeveral && shadow.HasMaterial && shadow.SeenPixels <= 0 && !(isLine && isBetween))
+    {
+      add("nothing is seen of " + subject + ": " + shadow.Reason(scene.Detector, "the part"));
+      continue;
+    }
+    if (!isEmpty && !isLine && wantsAll && shadow.WidthPixels() < 1)
+    {
+      add(shadow.Reason(scene.Detector, subject));
+    }
+    seen.Add(shadow);
+  }
   if (isEmpty)
   {
-    return "the picture is empty: " + shadow.Reason(scene.Detector);
+    return "the picture is empty: " + (lines.empty() ? seen.Reason(scene.Detector) : lines);
   }
-  if (shadow.Share >= 1 - 1e-6)
+  if (wantsAll && !isLine && seen.HasMaterial && seen.Share() < 1 - 1e-6)
   {
-    return {};
+    char share[32];
+    std::snprintf(share, sizeof share, "%.3g %%", 100 * seen.Share());
+    add(
+      std::string(share) + " of the shadow falls on the detector: " + seen.Reason(scene.Detector));
   }
-  char share[32];
-  std::snprintf(share, sizeof share, "%.3g %%", 100 * shadow.Share);
-  return std::string(share) +
-    " of the shadow falls on the detector: " + shadow.Reason(scene.Detector);
+  return lines;
 }
 }

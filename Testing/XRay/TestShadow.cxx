@@ -44,22 +44,22 @@ TEST(Shadow, OfAThinPlateIsItsMagnifiedArea)
   const XRaySource source = SourceAt(50, 30, 200);
   const SurfaceMesh plate = ShadowBox({ 45, 25, 100 }, { 55, 35, 100.001 });
   const Shadow whole = MeasureShadow(plate, source, ShadowPlate());
-  EXPECT_NEAR(whole.Share, 1, 1e-9);
+  EXPECT_NEAR(whole.Share(), 1, 1e-9);
   EXPECT_NEAR(whole.Columns.Low, 40 - 0.5, 1e-3);
   EXPECT_NEAR(whole.Columns.High, 60 - 0.5, 1e-3);
   EXPECT_NEAR(whole.Rows.Length(), 20, 1e-3);
   // From -10 to 10 mm: half of it; its corner: a quarter.
   EXPECT_NEAR(
-    MeasureShadow(ShadowBox({ 20, 25, 100 }, { 30, 35, 100.001 }), source, ShadowPlate()).Share,
+    MeasureShadow(ShadowBox({ 20, 25, 100 }, { 30, 35, 100.001 }), source, ShadowPlate()).Share(),
     0.5, 1e-4);
   EXPECT_NEAR(
-    MeasureShadow(ShadowBox({ 20, 10, 100 }, { 30, 20, 100.001 }), source, ShadowPlate()).Share,
+    MeasureShadow(ShadowBox({ 20, 10, 100 }, { 30, 20, 100.001 }), source, ShadowPlate()).Share(),
     0.25, 1e-4);
   XRaySource parallel;
   parallel.Type = XRaySource::Kind::Parallel;
   parallel.Direction = { 0, 0, -3 };
   EXPECT_NEAR(
-    MeasureShadow(ShadowBox({ 95, 10, 100 }, { 115, 20, 101 }), parallel, ShadowPlate()).Share,
+    MeasureShadow(ShadowBox({ 95, 10, 100 }, { 115, 20, 101 }), parallel, ShadowPlate()).Share(),
     0.25, 1e-9);
 }
 
@@ -102,4 +102,57 @@ TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)
   EXPECT_EQ(warning(ShadowBox({ 45, 25, 100 }, { 55, 35, 110 }), 1, true), "");
   EXPECT_THAT(warning(ShadowBox({ 45, 25, 210 }, { 55, 35, 220 }), 0, false),
     testing::StartsWith("the picture is empty: the object lies behind the source"));
+}
+
+TEST(Shadow, PartsOfWhichNothingIsSeenAreTold)
+{
+  Scene scene;
+  scene.Materials.Materials = { { .Name = "air" }, { .Name = "water" }, { .Name = "Al" } };
+  scene.Source = SourceAt(50, 30, 200);
+  scene.Detector = ShadowPlate();
+  const auto part = [](const Vector3& low, const Vector3& high, int material) {
+    return SceneSample{ std::make_shared<const SurfaceMesh>(ShadowBox(low, high)), material };
+  };
+  const SceneSample water = part({ 45, 25, 10 }, { 55, 35, 20 }, 1);
+  const auto warning = [&](const SceneSample& other, bool wantsAll)
+  {
+    scene.Samples = { water, other };
+    auto lengths = std::make_shared<PathLengthImage>();
+    lengths->Lengths = { 0, 1 };
+    Exposure exposure;
+    exposure.Lengths = lengths;
+    return ShadowWarning(scene, exposure, wantsAll);
+  };
+  EXPECT_EQ(warning(part({ 25, 25, 10 }, { 35, 35, 20 }, 2), true), "");
+  EXPECT_EQ(warning(part({ 45, 25, 210 }, { 55, 35, 220 }, 2), false),
+    "nothing is seen of part 2 (Al): the part lies behind the source");
+  EXPECT_EQ(warning(part({ 45, 25, -20 }, { 55, 35, -10 }, 2), true),
+    "nothing is seen of part 2 (Al): the part lies behind the detector");
+  EXPECT_THAT(warning(part({ 300, 25, 10 }, { 310, 35, 20 }, 2), false),
+    HasSubstr("nothing is seen of part 2 (Al): the part's shadow reaches from column 3"));
+  // Moved out of the picture; the mesh itself lies in it.
+  SceneSample moved = part({ 25, 25, 10 }, { 35, 35, 20 }, 2);
+  moved.TranslationMm = { 0, 0, 300 };
+  EXPECT_THAT(warning(moved, false), HasSubstr("behind the source"));
+  EXPECT_THAT(warning(part({ 50.3, 30.3, 10 }, { 50.34, 30.34, 10.04 }, 2), true),
+    testing::AllOf(testing::StartsWith("part 2 (Al)'s shadow reaches"),
+      HasSubstr("0.04 mm wide: a file in metres?")));
+  // One row sees a slice.
+  scene.Detector.Rows = 1;
+  EXPECT_EQ(warning(part({ 25, 40, 10 }, { 35, 45, 20 }, 2), true), "");
+}
+
+TEST(Shadow, PlanesThroughAPartAreTold)
+{
+  const SurfaceMesh box = ShadowBox({ 45, 25, -10 }, { 55, 35, 10 });
+  EXPECT_EQ(ShadowReason(box, SourceAt(50, 30, 200)),
+    "the object lies in part behind the detector's plane");
+  EXPECT_EQ(ShadowReason(box, SourceAt(50, 30, 5)),
+    "the source lies within the box around the object");
+  EXPECT_EQ(ShadowReason(box, SourceAt(70, 30, 5)), "the object lies in part behind the source");
+  // On the detector, not behind it.
+  const Shadow on =
+    MeasureShadow(ShadowBox({ 45, 25, 0 }, { 55, 35, 10 }), SourceAt(50, 30, 200), ShadowPlate());
+  EXPECT_FALSE(on.IsBehindDetector);
+  EXPECT_NEAR(on.Share(), 1, 1e-9);
 }
