@@ -511,7 +511,22 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
 bool IsVolumeMesh(const std::string& path)
 {
   const std::string extension = ExtensionOf(path);
-  return extension == ".vtu" || extension == ".vtk" || extension == ".msh";
+  if (extension != ".msh")
+  {
+    return extension == ".vtu" || extension == ".vtk";
+  }
+  CheckReadable(path, "a mesh");
+  return ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
+    [&path]
+    {
+      const auto grid = ReadGmsh(path);
+      bool holdsVolumes = false;
+      for (vtkIdType cell = 0; cell < grid->GetNumberOfCells() && !holdsVolumes; ++cell)
+      {
+        holdsVolumes = DimensionOf(grid->GetCellType(cell)) == 3;
+      }
+      return holdsVolumes;
+    });
 }
 
 SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* materialNames)

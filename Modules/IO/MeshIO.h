@@ -32,7 +32,8 @@ MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
  */
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
-/// Whether ReadMesh takes a file of this name; others are for ReadSurface.
+/// Whether a file is for ReadMesh, by its name, a .msh by its cells; others are for ReadSurface.
+/// Throws InputError on a .msh that is missing or damaged.
 MAMMORAYIO_EXPORT bool IsVolumeMesh(const std::string& path);
 
 /**

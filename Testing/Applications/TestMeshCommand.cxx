@@ -139,6 +139,25 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
   EXPECT_THAT(this->Errors, testing::HasSubstr("no such file"));
 }
 
+TEST_F(MeshCommand, ChecksTheSidesOfAGmshFileAsASurface)
+{
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n";
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    text += std::to_string(corner + 1) + " " + std::to_string(10 * (corner & 1)) + " " +
+      std::to_string(10 * (corner >> 1 & 1)) + " " + std::to_string(10 * (corner >> 2)) + "\n";
+  }
+  text += "$EndNodes\n$Elements\n6\n";
+  for (const char* quad : { "1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6" })
+  {
+    text += "1 3 2 1 1 " + std::string(quad) + "\n";
+  }
+  const std::string file = this->Folder.Write("cube.msh", text + "$EndElements\n");
+  ASSERT_EQ(this->Run("mesh --check " + file), 0) << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("8 points, 0 tetrahedra, 12 interface triangles"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("sound"));
+}
+
 TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
 {
   // Two tetrahedra with a face in common, of 3 x 4 x 1 / 6 and 3 x 4 x 2 / 6 mm3.

@@ -544,9 +544,11 @@ TEST_F(SurfaceFiles, TheSidesOfAGmshFileAreASurface)
   }
   const std::string path = this->Folder.Write("cube.msh", text + "$EndElements\n");
   EXPECT_NEAR(VolumeOf(ReadSurface(path)), 1000, 1e-9);
+  EXPECT_FALSE(IsVolumeMesh(path));
   EXPECT_THAT(test::RefusalOf([&] { ReadMesh(path); }),
     HasSubstr("expected tetrahedra, found cells that are no volumes (quad)"));
   const std::string volumes = this->Folder.Write("volumes.msh", Gmsh4());
+  EXPECT_TRUE(IsVolumeMesh(volumes));
   EXPECT_THAT(test::RefusalOf([&] { ReadSurface(volumes); }),
     HasSubstr("expected a surface, found a mesh of volumes (tetrahedron)"));
 }
