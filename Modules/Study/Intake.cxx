@@ -182,7 +182,12 @@ IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<
   if (series)
   {
     Study study = ReadStudy(path, progress);
-    return ReadIntensitySlices(VolumeOfNumber(study, *series).Slices, progress);
+    const StudySeries& chosen = VolumeOfNumber(study, *series);
+    if (const std::string against = AgainstVolume(chosen); !against.empty())
+    {
+      Note(path + ": " + against);
+    }
+    return ReadIntensitySlices(chosen.Slices, progress);
   }
   std::string refusal;
   try

@@ -202,10 +202,9 @@ void TakeTissue(StudyChoice& choice, const std::vector<int>& numbers)
         { "Series", std::to_string(number) });
     }
     series.Reason = "taken: asked for" + InBrackets(series.FatEvidence);
-    if (!series.LeftOut.empty())
+    if (const std::string against = AgainstVolume(series); !against.empty())
     {
-      choice.Warnings.push_back(
-        "'" + series.Description + "' is taken as asked for, although: " + series.LeftOut);
+      choice.Warnings.push_back(against);
     }
     place = series;
   }
@@ -361,6 +360,15 @@ void StudyChoice::Require() const
       { this->Remedy, "",
         this->Remedy.empty() ? std::vector<std::string>() : std::vector{ this->Remedy } });
   }
+}
+
+std::string AgainstVolume(const StudySeries& series)
+{
+  const std::string why = !series.LeftOut.empty() ? series.LeftOut
+    : series.Contrast == ContrastPhase::After
+    ? "after contrast (" + series.ContrastEvidence + "): what enhances is as bright as gland"
+    : "";
+  return why.empty() ? why : "'" + series.Description + "' is taken as asked for, although: " + why;
 }
 
 StudySeries& VolumeOfNumber(Study& study, int number)

@@ -232,6 +232,22 @@ TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
 }
 
+TEST(Intake, APhaseAfterContrastIsTakenWithAWarning)
+{
+  MadeUpStudy files;
+  files.AddSlices(MadeUpMr("1.2.4", "t1_spair pre"), 40);
+  files.AddSlices(MadeUpMr("1.2.5", "t1_spair +C"), 40);
+  AddViews(files, "L");
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()), 'L', { 2 });
+  EXPECT_THAT(choice.Warnings,
+    testing::Contains(HasSubstr("although: after contrast (description '+c')")));
+  NoteKeeper notes;
+  ReadMri(files.File("DICOM"), VolumeAxes::Patient, 1);
+  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  ReadMri(files.File("DICOM"), VolumeAxes::Patient, 2);
+  EXPECT_THAT(notes.Lines, ElementsAre(HasSubstr("although: after contrast")));
+}
+
 TEST(Intake, AVolumeOfAMixedFolderIsChosenByItsNumber)
 {
   MadeUpStudy files;

@@ -221,6 +221,33 @@ TEST(SeriesRules, OrderAloneMakesNothingCertain)
   EXPECT_TRUE(all[0].ContrastByOrder);
 }
 
+TEST(SeriesRules, SeriesOfOneCountGoByTheirOrder)
+{
+  // Each a series of its own, without a number or each of acquisition 1.
+  for (const std::optional<double> number : { std::optional<double>(), std::optional<double>(1) })
+  {
+    for (const auto& [name, before] :
+      { std::pair{ "t1_fl3d_tra_dyn_spair_1+5", 1U }, { "dyn_2+4", 2U } })
+    {
+      std::vector<StudySeries> all = InOrder(std::vector<std::string>(6, name));
+      for (StudySeries& series : all)
+      {
+        series.Header.AcquisitionNumber = number;
+      }
+      CompareSeries(all);
+      for (std::size_t index = 0; index < 6; ++index)
+      {
+        EXPECT_EQ(all[index].Contrast,
+          index < before ? ContrastPhase::Before : ContrastPhase::After)
+          << name << ' ' << index;
+        EXPECT_EQ(all[index].ContrastByOrder, index < before) << name << ' ' << index;
+      }
+    }
+  }
+  // One alone may be any of the six.
+  EXPECT_EQ(PhaseByWords("dyn 1+5"), ContrastPhase::Unknown);
+}
+
 TEST(SeriesRules, AnAgentTellsWhereNotAllHeadersNameIt)
 {
   std::vector<StudySeries> some{ PlainSeries("a"), PlainSeries("b"), PlainSeries("c") };

@@ -49,6 +49,10 @@ MAMMORAYSTUDY_EXPORT std::vector<StudySeries> SplitIntoVolumes(
 /// The volume of a number, from 1. Throws InputError if there is none or if it has no grid.
 StudySeries& VolumeOfNumber(Study& study, int number);
 
+/// What speaks against a volume that was asked for: "'t1_sub' is taken as asked for, although:
+/// subtraction". Empty if nothing does.
+std::string AgainstVolume(const StudySeries& series);
+
 /// "; 1: 't1 tra' (60 slices of 320 x 320), 2: ..." for messages, the first 20.
 std::string VolumesText(const Study& study);
 

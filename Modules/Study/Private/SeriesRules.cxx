@@ -353,40 +353,6 @@ std::string WhyNoBreastVolume(const StudySeries& series)
   return {};
 }
 
-/// Fills in the contrast phase if the words of the series alone tell it.
-void TellByWords(StudySeries& series)
-{
-  const std::string words = WordsOf(series.Header);
-  const auto tell = [&series](bool before, const std::string& evidence)
-  {
-    series.Contrast = before ? ContrastPhase::Before : ContrastPhase::After;
-    series.ContrastEvidence = evidence;
-  };
-  const std::string pre = FindMeaning(words, M::BeforeContrast);
-  // Not the contrast that it is without: "pre contrast", "ohne KM".
-  std::string others = words;
-  if (!pre.empty())
-  {
-    others.erase((' ' + words).find(' ' + pre), pre.size());
-  }
-  const std::string post = FindMeaning(others, M::AfterContrast);
-  std::smatch plus;
-  static const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
-  if (std::regex_search(words, plus, counted))
-  {
-    // "1+5": one volume before contrast and five after it.
-    const double number =
-      series.Phases > 1 ? series.Phase : series.Header.AcquisitionNumber.value_or(1);
-    return tell(number <= std::stod(plus[1].str()),
-      "acquisition " + std::to_string(static_cast<int>(std::clamp(number, 0., 1e6))) + " of " +
-        plus[1].str() + "+" + plus[2].str());
-  }
-  if (pre.empty() != post.empty())
-  {
-    tell(post.empty(), "description '" + pre + post + "'");
-  }
-}
-
 bool NamesAgent(const StudySeries& series)
 {
   const std::string agent = PlainWords(series.Header.ContrastAgent);
@@ -463,6 +429,64 @@ bool IsOfOneProtocol(const StudySeries& a, const StudySeries& b)
     near(first.EchoTimeMs, second.EchoTimeMs) && near(first.FlipAngleDeg, second.FlipAngleDeg);
 }
 
+/// Whether another series of the same words and protocol has the same number of its acquisition, or
+/// none as this one: six series "dyn 1+5".
+bool SharesAcquisition(const StudySeries& series, const std::vector<StudySeries>& all)
+{
+  return std::any_of(all.begin(), all.end(),
+    [&series](const StudySeries& other)
+    {
+      return &other != &series && other.LeftOut.empty() && IsOfOneProtocol(series, other) &&
+        other.Header.AcquisitionNumber == series.Header.AcquisitionNumber &&
+        WordsOf(other.Header) == WordsOf(series.Header);
+    });
+}
+
+/// How many volumes "1+5" has before contrast. Nothing if the words count none.
+std::optional<double> CountBefore(const std::string& words)
+{
+  static const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
+  std::smatch plus;
+  return std::regex_search(words, plus, counted) ? std::optional(std::stod(plus[1].str()))
+                                                 : std::nullopt;
+}
+
+/// Fills in the contrast phase if the words of a series tell it, with its number where they count.
+void TellByWords(StudySeries& series, const std::vector<StudySeries>& all)
+{
+  const std::string words = WordsOf(series.Header);
+  const auto tell = [&series](bool before, const std::string& evidence)
+  {
+    series.Contrast = before ? ContrastPhase::Before : ContrastPhase::After;
+    series.ContrastEvidence = evidence;
+  };
+  if (const std::optional<double> before = CountBefore(words))
+  {
+    const std::optional<double> number = series.Phases > 1 ? std::optional<double>(series.Phase)
+      : SharesAcquisition(series, all)                     ? std::nullopt
+                                                           : series.Header.AcquisitionNumber;
+    if (number)
+    {
+      tell(*number <= *before,
+        "acquisition " + std::to_string(static_cast<int>(std::clamp(*number, 0., 1e6))) + " of '" +
+          series.Description + "'");
+    }
+    return; // Otherwise the order tells.
+  }
+  const std::string pre = FindMeaning(words, M::BeforeContrast);
+  // Not the contrast that it is without: "pre contrast", "ohne KM".
+  std::string others = words;
+  if (!pre.empty())
+  {
+    others.erase((' ' + words).find(' ' + pre), pre.size());
+  }
+  const std::string post = FindMeaning(others, M::AfterContrast);
+  if (pre.empty() != post.empty())
+  {
+    tell(post.empty(), "description '" + pre + post + "'");
+  }
+}
+
 /// Groups the volumes whose contrast no words tell.
 std::vector<DynamicGroup> FindDynamicGroups(std::vector<StudySeries>& all)
 {
@@ -499,7 +523,7 @@ StudySeries* FindUncounted(const DynamicGroup& group, std::vector<StudySeries>& 
   StudySeries* found = nullptr;
   for (StudySeries& series : all)
   {
-    if (&series == group.Volumes.front())
+    if (&series == group.Volumes.front() || CountBefore(WordsOf(group.Volumes.front()->Header)))
     {
       break;
     }
@@ -542,9 +566,9 @@ bool IsSubtracted(const StudySeries& volume, const std::vector<StudySeries>& all
     });
 }
 
-/// The first of several volumes of one protocol is before contrast, unless an earlier series says
-/// so of itself and this one names an agent, or an earlier one lacks the number that these have.
-/// Their order alone makes nothing certain.
+/// The first of several volumes of one protocol, or as many as "2+4" says, is before contrast,
+/// unless an earlier series says so of itself and this one names an agent, or an earlier one lacks
+/// the number that these have. Their order alone makes nothing certain.
 void TellByOrder(std::vector<StudySeries>& all)
 {
   for (const DynamicGroup& group : FindDynamicGroups(all))
@@ -576,18 +600,19 @@ void TellByOrder(std::vector<StudySeries>& all)
     const bool before = std::any_of(all.data(), volumes.front(),
       [](const StudySeries& series) { return series.Contrast == ContrastPhase::Before; });
     const bool oneSeries = front.Phases == static_cast<int>(volumes.size());
+    const bool agentTells = !NamesAgent(front) &&
+      std::any_of(volumes.begin(), volumes.end(),
+        [](const StudySeries* v) { return NamesAgent(*v); });
+    const auto first = static_cast<std::size_t>(CountBefore(WordsOf(front.Header)).value_or(1));
     for (std::size_t number = 0; number < volumes.size(); ++number)
     {
-      const bool first = number == 0 && !(before && NamesAgent(front));
-      tell(*volumes[number], first,
+      StudySeries& volume = *volumes[number];
+      tell(volume, number < first && !(before && NamesAgent(front)),
         (oneSeries ? "phase " : "volume ") + std::to_string(number + 1) + " of " +
           std::to_string(volumes.size()) + (oneSeries ? "" : " of one protocol"));
+      volume.ContrastByOrder =
+        volume.Contrast == ContrastPhase::Before && !agentTells && !IsSubtracted(volume, all);
     }
-    front.ContrastByOrder = front.Contrast == ContrastPhase::Before &&
-      (NamesAgent(front) ||
-        !std::any_of(volumes.begin(), volumes.end(),
-          [](const StudySeries* v) { return NamesAgent(*v); })) &&
-      !IsSubtracted(front, all);
   }
 }
 
@@ -680,7 +705,7 @@ void DescribeSeries(StudySeries& series)
 void CompareSeries(std::vector<StudySeries>& all)
 {
   CompareScanOptions(all);
-  std::for_each(all.begin(), all.end(), TellByWords);
+  std::for_each(all.begin(), all.end(), [&all](StudySeries& series) { TellByWords(series, all); });
   TellByInjection(all);
   TellByOrder(all);
   // A scanner that names the agent in every header names it before the injection, too.
