@@ -75,9 +75,42 @@ private:
   int InvalidCounts = 0;
 };
 
-/// Calls visit(first, last, contradiction) for the segments between successive hits whose labels
-/// are contradictory. Segments of no length are skipped. A line that does not end in air passed a
-/// hole and is ignored.
+/// Sorts materials at a segment behind hit `n` by how long the line is in each, so that what lies
+/// in another comes first.
+void SortByLength(const SurfaceMesh& surface, const std::vector<LineHit>& hits, std::size_t n,
+  std::vector<int>& materials)
+{
+  std::map<int, double> lengths;
+  for (const int material : materials)
+  {
+    std::size_t entry = n;
+    while (entry > 0 && MaterialsAt(surface, hits[entry]).second != material)
+    {
+      --entry;
+    }
+    std::size_t exit = n + 1;
+    while (exit + 1 < hits.size() && MaterialsAt(surface, hits[exit]).first != material)
+    {
+      ++exit;
+    }
+    lengths[material] = hits[exit].T - hits[entry].T;
+  }
+  std::stable_sort(materials.begin(), materials.end(),
+    [&lengths](int one, int other) { return lengths[one] < lengths[other]; });
+}
+
+/// Hits at the two ends of a segment: those from Begin up to Middle at its begin, those up to End
+/// at its end. Several lie at one place where parts have a common face.
+struct SegmentHits
+{
+  std::size_t Begin;
+  std::size_t Middle;
+  std::size_t End;
+};
+
+/// Calls visit(ends, contradiction) for the segments between successive hits whose labels are
+/// contradictory. Segments of no length are skipped. A line that does not end in air passed a hole
+/// and is ignored.
 template <typename Visit>
 void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
   const Vector3& direction, const std::vector<LineHit>& hits, const Visit& visit)
@@ -106,9 +139,19 @@ void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
     if (!insides.IsLabelled() && n + 1 < hits.size() && hits[n + 1].T - hits[n].T > gap)
     {
       SurfaceContradiction stretch = insides.Describe();
+      SortByLength(surface, hits, n, stretch.Materials);
       stretch.LengthMm = hits[n + 1].T - hits[n].T;
       stretch.Place = begin + 0.5 * (hits[n + 1].T + hits[n].T) * direction;
-      visit(hits[n], hits[n + 1], stretch);
+      SegmentHits ends{ n, n + 1, n + 2 };
+      while (ends.Begin > 0 && hits[n].T - hits[ends.Begin - 1].T <= gap)
+      {
+        --ends.Begin;
+      }
+      while (ends.End < hits.size() && hits[ends.End].T - hits[n + 1].T <= gap)
+      {
+        ++ends.End;
+      }
+      visit(ends, stretch);
     }
   }
 }
@@ -168,6 +211,26 @@ void KeepLonger(SurfaceContradiction& known, const SurfaceContradiction& other)
   }
 }
 
+/// Parts that a segment belongs to: the one that bounds it on both ends, otherwise the two that do.
+std::set<std::uint32_t> PartsAt(const SurfaceParts& parts, const std::vector<LineHit>& hits,
+  const SegmentHits& ends)
+{
+  std::set<std::uint32_t> atBegin;
+  for (std::size_t n = ends.Begin; n < ends.Middle; ++n)
+  {
+    atBegin.insert(parts.PartOf[hits[n].Triangle]);
+  }
+  for (std::size_t n = ends.Middle; n < ends.End; ++n)
+  {
+    const std::uint32_t part = parts.PartOf[hits[n].Triangle];
+    if (atBegin.count(part) > 0)
+    {
+      return { part };
+    }
+  }
+  return { parts.PartOf[hits[ends.Middle - 1].Triangle], parts.PartOf[hits[ends.Middle].Triangle] };
+}
+
 /// Follows lines through the triangles of one part. `hits` is working memory.
 void ProbePart(const SurfaceMesh& surface, const TriangleTree& tree, const SurfaceParts& parts,
   std::size_t part, std::vector<LineHit>& hits, PartContradictions& found)
@@ -182,10 +245,12 @@ void ProbePart(const SurfaceMesh& surface, const TriangleTree& tree, const Surfa
     const Vector3 begin = CentreOf(surface, triangles[line * triangles.size() / lines]);
     tree.CrossLine(begin, direction, hits);
     ForEachContradiction(surface, begin, direction, hits,
-      [&](const LineHit& first, const LineHit& last, const SurfaceContradiction& stretch)
+      [&](const SegmentHits& ends, const SurfaceContradiction& stretch)
       {
-        KeepLonger(found[parts.PartOf[first.Triangle]], stretch);
-        KeepLonger(found[parts.PartOf[last.Triangle]], stretch);
+        for (const std::uint32_t at : PartsAt(parts, hits, ends))
+        {
+          KeepLonger(found[at], stretch);
+        }
       });
   }
 }
@@ -269,8 +334,7 @@ std::vector<SurfaceContradiction> FindContradictions(const SurfaceMesh& surface,
 {
   std::vector<SurfaceContradiction> found;
   ForEachContradiction(surface, begin, direction, hits,
-    [&](const LineHit&, const LineHit&, const SurfaceContradiction& stretch)
-    { found.push_back(stretch); });
+    [&](const SegmentHits&, const SurfaceContradiction& stretch) { found.push_back(stretch); });
   return found;
 }
 

@@ -21,7 +21,8 @@ struct SurfaceContradiction
   /// Midpoint of the segment, mm.
   Vector3 Place{ 0, 0, 0 };
   double LengthMm = 0;
-  /// Materials at the segment, once per time inside; negative counts are omitted.
+  /// Materials at the segment, once per time inside, the one that the line is in for the shortest
+  /// way first, which lies in the others; negative counts are omitted.
   std::vector<int> Materials;
   /// True if the segment is inside a material a negative number of times.
   bool Negative = false;

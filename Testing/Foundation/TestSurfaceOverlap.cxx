@@ -155,6 +155,30 @@ TEST(SurfaceOverlap, ASurfaceThatFoldsThroughItself)
   EXPECT_GT(overlap.Crossings, 10u);
 }
 
+TEST(SurfaceOverlap, TheInnerPartIsNamedFirstAndCountedAlone)
+{
+  // Whatever the order of parts and materials, within the other or with a face in common.
+  for (const double low : { 0.0, 2.0 })
+  {
+    for (const int inner : { 1, 2 })
+    {
+      for (const bool innerFirst : { false, true })
+      {
+        SurfaceMesh mesh;
+        for (const bool isInner : { innerFirst, !innerFirst })
+        {
+          isInner ? AddBox(mesh, { -3, -3, low }, { 3, 3, 6 }, inner)
+                  : AddBox(mesh, { -10, -10, 0 }, { 10, 10, 10 }, 3 - inner);
+        }
+        const SurfaceOverlap overlap = Overlap(mesh);
+        EXPECT_EQ(overlap.DoubledParts, 1u) << low << ' ' << inner << ' ' << innerFirst;
+        ASSERT_FALSE(overlap.Contradictions.empty());
+        EXPECT_THAT(overlap.Contradictions[0].Materials, testing::ElementsAre(inner, 3 - inner));
+      }
+    }
+  }
+}
+
 TEST(SurfaceOverlap, NestedInAirAndInsideOut)
 {
   SurfaceMesh mesh;

@@ -170,7 +170,7 @@ TEST(OverlapMeasure, CountsRaysAndLengths)
   const std::string warning = measure.Warning({ "air", "water", "stone" });
   EXPECT_THAT(warning, testing::HasSubstr("1 parts lie in others though their labels say air"));
   EXPECT_THAT(warning, testing::HasSubstr("25 % of the rays"));
-  EXPECT_THAT(warning, testing::HasSubstr("water in stone"));
+  EXPECT_THAT(warning, testing::HasSubstr("stone in water"));
 
   SurfaceMesh sound;
   AddSphere(sound, { 0, 0, 0 }, 10, 4, 1);
