@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
 #include "Refusals.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/Intake.h"
@@ -116,6 +117,35 @@ TEST(CaseChecks, LengthsInPlaceOfTheHeadersAreTold)
     ElementsAre("Pixel spacing: 0.12 mm as given; the header says 0.1 mm.",
       "Source to detector distance: 660 mm as given; the header says 650 "
       "mm."));
+}
+
+TEST(CaseChecks, AMaskLeavesSomeOfTheBreast)
+{
+  const test::TemporaryFolder folder;
+  RegistrationCase input;
+  input.Mammograms = { DataDirectory() + "/victre-phantom-1/victre1_lcc_processing.dcm" };
+  std::vector<RegisteredView> views(1);
+  ReadCasePictures(input, views);
+  const RegistrationTarget target = views[0].View.Target;
+  const std::string path = folder.File("mask.mha");
+  input.Masks = { path };
+  const auto refusal = [&](const std::string& mask)
+  {
+    folder.Write("mask.mha",
+      "ObjectType = Image\nNDims = 2\nBinaryData = True\nDimSize = " +
+        std::to_string(target.Grid.Columns) + ' ' + std::to_string(target.Grid.Rows) +
+        "\nElementSpacing = 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + mask);
+    std::vector<RegisteredView> masked(1);
+    return RefusalOf([&] { ReadCasePictures(input, masked); });
+  };
+  EXPECT_EQ(refusal(std::string(target.Grid.NumberOfPixels(), '\0')), NotRefused);
+  EXPECT_THAT(refusal(std::string(target.Grid.NumberOfPixels(), '\xff')),
+    HasSubstr(path +
+      ": expected a mask that is 0 where the breast is compared, found one that "
+      "leaves out all of it"));
+  // The breast itself, drawn as what is compared.
+  EXPECT_THAT(refusal(std::string(target.BreastMask.begin(), target.BreastMask.end())),
+    HasSubstr("leaves out all of it"));
 }
 
 TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)

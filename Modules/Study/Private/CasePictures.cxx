@@ -162,6 +162,30 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
   return mammograms;
 }
 
+/// Throws InputError if a mask leaves too little of the breast to compare.
+void CheckMask(const std::string& path, const std::vector<RegistrationTarget>& levels,
+  double marginMm)
+{
+  constexpr std::ptrdiff_t fewest = 10; // as the search needs
+  for (const RegistrationTarget& level : levels)
+  {
+    std::ptrdiff_t left = 0;
+    for (std::size_t pixel = 0; pixel < level.BreastMask.size(); ++pixel)
+    {
+      left += level.BreastMask[pixel] != 0 && level.SignedDistanceMm[pixel] < -marginMm &&
+          !IsExcluded(level, pixel)
+        ? 1
+        : 0;
+    }
+    if (left < fewest)
+    {
+      throw InputError(path +
+        ": expected a mask that is 0 where the breast is compared, found one that leaves out all " +
+        (left == 0 ? "of it" : "but " + std::to_string(left) + " pixels of the compared size"));
+    }
+  }
+}
+
 /// Where the source of a projection stood, gantry frame.
 Vector3 FocalSpotOf(const Mammogram& projection, const RegistrationTarget& target)
 {
@@ -198,6 +222,10 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
     view.View.Target.Warnings.end());
   view.View.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
   view.View.Levels = MakeLevels(view.View.Target, input.Options.PixelSizesMm);
+  if (!input.Masks.empty())
+  {
+    CheckMask(input.Masks[number], view.View.Levels, input.Options.IntensityMarginMm);
+  }
   if (projections.size() == 1)
   {
     return;
