@@ -63,12 +63,11 @@ TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
     "# energies in keV, centres of bins\n10 5\n11\t7 // the line\n\n 12.0  1e0\n",
     "28 kVp W\n50\nE(MeV) at centre\tfluence\n0.010\t5\n0.011\t7\n0.012\t1\n",
     "centre_eV,N\n\"10000\",\"5\"\n\"11000\",\"7\"\n\"12000\",\"1\"\n",
-    "keV centre\n12 1\n11 7\n10 5\n",
-    "keV centre\n10,0 5,0\n11,0 7,0\n12,0 1,0\n",
+    "keV centre\n12 1\n11 7\n10 5\n", "keV centre\n10,0 5,0\n11,0 7,0\n12,0 1,0\n",
     "from, to [keV], N\n9.5, 10.5, 5\n10.5, 11.5, 7\n11.5, 12.5, 1\n",
     "lower edge (keV), N\n9.5, 5\n10.5, 7\n11.5, 1\n",
-    "keV\n9.5 5\n10.5 7\n11.5 1\n12.5\n", // the last edge alone
-    "keV\n9.5 5\n10.5 7\n11.5 1\n12.5 -1\n",
+    "keV\n9.5 5\n10.5 7\n11.5 1\n12.5\n",                       // the last edge alone
+    "# keV, centre\n 10.D0 5.D0\n 11.d+0 0.7D1\n 1.2D+01 1.\n", // Fortran's doubles
   };
   for (const char* const text : same)
   {
@@ -114,7 +113,14 @@ TEST(SpectrumIO, OtherTablesAreRefusedByLine)
     testing::HasSubstr("found UTF-16"));
   EXPECT_THAT(refusal("energy, photons\n"), testing::HasSubstr("found none"));
   EXPECT_THAT(refusal("0 3\n"), testing::HasSubstr("at least two edges"));
-  EXPECT_THAT(refusal("0 -1\n"), testing::HasSubstr("at least two edges"));
+  // A negative value ends nothing here, wherever it stands.
+  EXPECT_THAT(refusal("keV,photons\n20,1\n25,-2\n30,3\n"),
+    testing::HasSubstr("line 3: expected a number of photons, found -2"));
+  EXPECT_THAT(refusal("keV,photons\n15,-1e-9\n20,1\n30,3\n"),
+    testing::HasSubstr("line 2: expected a number of photons, found -1e-09"));
+  EXPECT_THAT(refusal("keV\n9.5 5\n10.5 7\n11.5 -1\n"), testing::HasSubstr("line 4"));
+  EXPECT_THAT(refusal("keV photons\n20.Q0 1\n30.Q0 3\n"),
+    testing::HasSubstr("line 2: expected an energy and a number of photons, found '20.Q0 1'"));
   EXPECT_THAT(refusal("0 0\n10\n"), testing::HasSubstr("photons"));
   EXPECT_THAT(refusal("20 1\n15 2\n10\n"), testing::HasSubstr("line 2: expected a positive"));
   // Our own form in another unit.

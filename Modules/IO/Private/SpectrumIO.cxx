@@ -79,7 +79,14 @@ std::vector<double> RowNumbers(const std::vector<std::string>& cells)
   for (const std::string& cell : cells)
   {
     double number = 0;
-    if (!ToPaddedNumber(cell, number))
+    // Fortran writes the exponent of a double as D.
+    std::string text = cell;
+    const std::size_t exponent = text.find_first_of("Dd");
+    if (exponent != std::string::npos && exponent > 0)
+    {
+      text[exponent] = 'e';
+    }
+    if (!ToPaddedNumber(text, number))
     {
       return {};
     }
@@ -88,10 +95,12 @@ std::vector<double> RowNumbers(const std::vector<std::string>& cells)
   return numbers;
 }
 
-/// `expected`: what a line holds, for messages. Reads up to a row with a negative second number.
-EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
+/// `expected`: what a line holds, for messages. `isEnded`: a row with a negative second number is
+/// the last one, whatever follows.
+EnergyTable ReadEnergyTable(const std::string& path, const char* expected, bool isEnded = false)
 {
   EnergyTable table;
+  std::string likeRow; // the first line that begins as one
   table.Path = path;
   std::ifstream file = OpenText(path);
   std::string text;
@@ -118,6 +127,11 @@ EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
     if (isHeader || cells.empty())
     {
       table.Titles += table.Rows.empty() ? text + '\n' : "";
+      const bool isLikeRow = !cells.empty() && cells.front().find_first_of("0123456789") < 2;
+      if (likeRow.empty() && isLikeRow)
+      {
+        likeRow = LineName(path, line) + ": expected " + expected + ", found '" + text + "'";
+      }
       continue;
     }
     if (numbers.empty())
@@ -126,7 +140,7 @@ EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
     }
     table.Rows.push_back({ std::move(numbers), line });
     const std::vector<double>& row = table.Rows.back().Numbers;
-    if (row.size() == 2 && row[1] < 0)
+    if (isEnded && row.size() == 2 && row[1] < 0)
     {
       break;
     }
@@ -138,7 +152,8 @@ EnergyTable ReadEnergyTable(const std::string& path, const char* expected)
   }
   if (table.Rows.empty())
   {
-    throw InputError(path + ": expected lines of " + expected + ", found none");
+    throw InputError(
+      likeRow.empty() ? path + ": expected lines of " + expected + ", found none" : likeRow);
   }
   return table;
 }
@@ -312,8 +327,8 @@ Bins BinsOfCentres(const EnergyTable& table)
 }
 
 /// Throws InputError unless the rows hold an energy and photons each, or both edges and photons; a
-/// last edge may stand alone. `isEnded`: the last number of photons is negative.
-void CheckRows(const EnergyTable& table, bool isEnded)
+/// last edge may stand alone.
+void CheckRows(const EnergyTable& table)
 {
   const std::size_t columns = table.Rows.front().Numbers.size();
   for (const EnergyTable::Row& row : table.Rows)
@@ -328,11 +343,12 @@ void CheckRows(const EnergyTable& table, bool isEnded)
         "found " +
         std::to_string(numbers.size()) + " number(s)");
     }
-    const bool isPhotons = numbers.size() == 1 || numbers.back() >= 0 || (isLast && isEnded);
+    const bool isPhotons = numbers.size() == 1 || numbers.back() >= 0;
     if (!isPhotons || !std::isfinite(numbers.back()))
     {
-      throw InputError(
-        table.NameOf(row) + ": expected a number of photons, found " + NumberText(numbers.back()));
+      throw InputError(table.NameOf(row) + ": expected a number of photons, found " +
+        NumberText(numbers.back()) +
+        (isPhotons ? "" : " (a negative one ends a table in an .spc file only)"));
     }
   }
 }
@@ -341,9 +357,8 @@ void CheckRows(const EnergyTable& table, bool isEnded)
 Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
 {
   std::vector<EnergyTable::Row>& rows = table.Rows;
-  const bool isEnded = rows.back().Numbers.size() == 2 && rows.back().Numbers[1] < 0;
-  CheckRows(table, isEnded);
-  const bool isWhole = !isEnded && rows.back().Numbers.size() > 1;
+  CheckRows(table);
+  const bool isWhole = rows.back().Numbers.size() > 1;
   if (isWhole && rows.front().Numbers[0] > rows.back().Numbers[0])
   {
     std::reverse(rows.begin(), rows.end());
@@ -352,8 +367,8 @@ Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
   const std::string said = table.Titles + table.Comments;
   const bool threeColumns = rows.front().Numbers.size() == 3;
   const bool saysCentres = NamesCentres(said);
-  const bool areEdges = isEnded || rows.back().Numbers.size() == 1 ||
-    rows.front().Numbers[0] <= 0 || (NamesEdges(said) && !saysCentres);
+  const bool areEdges = rows.back().Numbers.size() == 1 || rows.front().Numbers[0] <= 0 ||
+    (NamesEdges(said) && !saysCentres);
   if (areEdges && !threeColumns && rows.size() < 2)
   {
     throw InputError(table.Path + ": expected at least two edges of bins, found one");
@@ -373,7 +388,7 @@ Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
     inferred = "values as photons of bins around their energies";
   }
   // Counts are those of a bin, whatever its width, unless the header says otherwise.
-  const bool areDensities = isEnded || NamesDensity(table.Titles);
+  const bool areDensities = NamesDensity(table.Titles);
   for (std::size_t bin = 0; bin < bins.Values.size(); ++bin)
   {
     const double low = bins.Edges[bin];
@@ -416,9 +431,10 @@ void ToKeV(const EnergyTable& table, Spectrum& spectrum, std::string& inferred)
 
 Spectrum ReadSpectrum(const std::string& path)
 {
-  const EnergyTable table = ReadEnergyTable(path, "an energy and a number of photons");
+  const bool isOwn = ExtensionOf(path) == ".spc";
+  const EnergyTable table = ReadEnergyTable(path, "an energy and a number of photons", isOwn);
   Spectrum spectrum;
-  if (ExtensionOf(path) == ".spc")
+  if (isOwn)
   {
     spectrum = OwnSpectrum(table);
   }
