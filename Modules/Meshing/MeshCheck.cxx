@@ -29,7 +29,7 @@ public:
     MeshDefect& defect = this->ByKind[kind];
     defect.What = kind;
     ++defect.Count;
-    if (kind == Kind::Holes || defect.Places.size() < MeshDefect::MostPlaces)
+    if (place.LengthMm > 0 || defect.Places.size() < MeshDefect::MostPlaces)
     {
       defect.Places.push_back(place);
     }
@@ -59,22 +59,33 @@ private:
   std::map<Kind, MeshDefect> ByKind;
 };
 
-/// Pinched edges and points, each recorded once even if several materials are pinched there.
-struct PinchedPlaces
+/// Corners of a triangle in ascending order.
+using TriangleKey = std::array<std::uint32_t, 3>;
+
+TriangleKey KeyOfTriangle(std::vector<std::uint32_t>::const_iterator corners)
 {
-  std::set<std::uint64_t> Edges;
-  std::set<std::uint32_t> Points;
+  TriangleKey key{ corners[0], corners[1], corners[2] };
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+/// Pinched edges and points and turned triangles, each recorded once even if several materials meet
+/// there.
+struct SharedPlaces
+{
+  std::set<std::uint64_t> PinchedEdges;
+  std::set<std::uint32_t> PinchedPoints;
+  std::set<TriangleKey> TurnedTriangles;
 };
 
 /// Checks the boundary of one material, oriented outwards: is it closed and manifold?
 class BoundaryCheck
 {
 public:
-  BoundaryCheck(const SurfaceMesh& surface, int material, PinchedPlaces& pinched,
-    DefectList& defects)
+  BoundaryCheck(const SurfaceMesh& surface, int material, SharedPlaces& shared, DefectList& defects)
     : Surface(surface)
     , Material(material)
-    , Pinched(pinched)
+    , Shared(shared)
     , Defects(defects)
   {
     for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
@@ -122,6 +133,7 @@ public:
   void Run()
   {
     this->CollectEdges();
+    this->TurnAlike();
     DisjointSets fans(this->Corners.size());
     std::vector<HalfEdge> open;
     for (std::size_t begin = 0; begin < this->Edges.size();)
@@ -177,27 +189,49 @@ private:
     return corner % 3 == 2 ? corner - 2 : corner + 1;
   }
 
+  /// Whether a triangle goes through its corners as through its key.
+  bool IsForward(std::uint32_t corner, const TriangleKey& key) const
+  {
+    const std::uint32_t* ids = &this->Corners[corner];
+    const auto place = std::find(ids, ids + 3, key[0]) - ids;
+    return ids[(place + 1) % 3] == key[1];
+  }
+
   /// Triangles that are there twice would leave their edges open.
   void LeaveOutDoubled()
   {
-    // The corners from the least on, and the triangle.
-    std::vector<std::array<std::uint32_t, 4>> order;
+    std::vector<std::pair<TriangleKey, std::uint32_t>> order;
     for (std::uint32_t corner = 0; corner < this->Corners.size(); corner += 3)
     {
-      const auto begin = this->Corners.begin() + corner;
-      std::array<std::uint32_t, 4> entry{ begin[0], begin[1], begin[2], corner };
-      std::rotate(entry.begin(), std::min_element(entry.begin(), entry.begin() + 3),
-        entry.begin() + 3);
-      order.push_back(entry);
+      order.emplace_back(KeyOfTriangle(this->Corners.begin() + corner), corner);
     }
     std::sort(order.begin(), order.end());
     std::vector<std::uint32_t> doubled;
-    for (std::size_t n = 1; n < order.size(); ++n)
+    // The second of those that are there in both senses.
+    std::map<TriangleKey, std::uint32_t> opposed;
+    for (std::size_t n = 1, first = 0; n < order.size(); ++n)
     {
-      if (std::equal(order[n].begin(), order[n].begin() + 3, order[n - 1].begin()))
+      const auto& [key, corner] = order[n];
+      if (key != order[first].first)
       {
-        doubled.push_back(order[n][3]);
+        first = n;
+        continue;
       }
+      const bool isOther =
+        this->IsForward(corner, key) != this->IsForward(order[first].second, key);
+      if (!isOther || !opposed.emplace(key, corner).second)
+      {
+        doubled.push_back(corner);
+      }
+    }
+    if (!opposed.empty())
+    {
+      this->KeepContacts(opposed);
+    }
+    for (const auto& [key, corner] : opposed)
+    {
+      doubled.push_back(corner);
+      this->Opposed.insert(key);
     }
     std::sort(doubled.begin(), doubled.end());
     std::vector<std::uint32_t> once;
@@ -219,6 +253,153 @@ private:
     if (!doubled.empty())
     {
       this->Corners = std::move(once);
+    }
+  }
+
+  /// Removes from the triangles that are there in both senses those of faces that two bodies share:
+  /// an even number of other triangles meets such a face at all of its border.
+  void KeepContacts(std::map<TriangleKey, std::uint32_t>& opposed) const
+  {
+    struct Edge
+    {
+      std::vector<std::uint32_t> Faces;
+      std::size_t Others = 0;
+    };
+    std::map<std::uint64_t, Edge> edges;
+    std::vector<TriangleKey> faces;
+    const auto edgesOf = [](const TriangleKey& key)
+    {
+      const auto edge = [](std::uint64_t a, std::uint64_t b) { return a << 32 | b; };
+      return std::array{ edge(key[0], key[1]), edge(key[1], key[2]), edge(key[0], key[2]) };
+    };
+    for (const auto& [key, corner] : opposed)
+    {
+      for (const std::uint64_t edge : edgesOf(key))
+      {
+        edges[edge].Faces.push_back(static_cast<std::uint32_t>(faces.size()));
+      }
+      faces.push_back(key);
+    }
+    for (std::uint32_t corner = 0; corner < this->Corners.size(); corner += 3)
+    {
+      const TriangleKey key = KeyOfTriangle(this->Corners.begin() + corner);
+      for (const std::uint64_t edge : edgesOf(key))
+      {
+        const auto found = edges.find(edge);
+        if (found != edges.end() && opposed.count(key) == 0)
+        {
+          ++found->second.Others;
+        }
+      }
+    }
+    DisjointSets joined(faces.size());
+    for (const auto& [key, edge] : edges)
+    {
+      for (const std::uint32_t face : edge.Faces)
+      {
+        joined.Join(face, edge.Faces.front());
+      }
+    }
+    std::set<std::uint32_t> met;
+    std::set<std::uint32_t> odd;
+    for (const auto& [key, edge] : edges)
+    {
+      const bool isEnd = edge.Others == 0 && edge.Faces.size() == 1; // of a sheet
+      if (isEnd || edge.Others % 2 == 1)
+      {
+        odd.insert(joined.Root(edge.Faces.front()));
+      }
+      else if (edge.Others > 0)
+      {
+        met.insert(joined.Root(edge.Faces.front()));
+      }
+    }
+    for (std::uint32_t face = 0; face < faces.size(); ++face)
+    {
+      if (met.count(joined.Root(face)) > 0 && odd.count(joined.Root(face)) == 0)
+      {
+        opposed.erase(faces[face]);
+      }
+    }
+  }
+
+  /// Turns the triangles that are turned against most of those joined to them, and records them.
+  void TurnAlike()
+  {
+    constexpr std::uint32_t none = ~std::uint32_t{ 0 };
+    std::vector<std::uint32_t> across(this->Corners.size(), none);
+    bool isAlike = true;
+    for (std::size_t begin = 0; begin < this->Edges.size();)
+    {
+      std::size_t end = begin + 1;
+      while (end < this->Edges.size() && this->Edges[end].Key == this->Edges[begin].Key)
+      {
+        ++end;
+      }
+      if (end - begin == 2)
+      {
+        across[this->Edges[begin].Corner] = this->Edges[begin + 1].Corner;
+        across[this->Edges[begin + 1].Corner] = this->Edges[begin].Corner;
+        isAlike = isAlike && this->Edges[begin].Forward != this->Edges[begin + 1].Forward;
+      }
+      begin = end;
+    }
+    if (isAlike)
+    {
+      return;
+    }
+    std::vector<signed char> sides(this->NumberOfTriangles(), -1);
+    for (std::uint32_t start = 0; start < sides.size(); ++start)
+    {
+      if (sides[start] >= 0)
+      {
+        continue;
+      }
+      std::vector<std::uint32_t> part{ start };
+      sides[start] = 0;
+      for (std::size_t n = 0; n < part.size(); ++n)
+      {
+        for (std::uint32_t corner = 3 * part[n]; corner < 3 * part[n] + 3; ++corner)
+        {
+          const std::uint32_t other = across[corner];
+          if (other != none && sides[other / 3] < 0)
+          {
+            const bool isTurned = this->Corners[corner] == this->Corners[other];
+            sides[other / 3] = static_cast<signed char>(sides[part[n]] ^ (isTurned ? 1 : 0));
+            part.push_back(other / 3);
+          }
+        }
+      }
+      this->TurnFewer(part, sides);
+    }
+    this->Edges.clear();
+    this->CollectEdges();
+  }
+
+  /// Turns the triangles of the side that has fewer of a part.
+  void TurnFewer(const std::vector<std::uint32_t>& part, const std::vector<signed char>& sides)
+  {
+    const auto ones = static_cast<std::size_t>(std::count_if(part.begin(), part.end(),
+      [&sides](std::uint32_t triangle) { return sides[triangle] == 1; }));
+    const signed char fewer = 2 * ones <= part.size() ? 1 : 0;
+    for (const std::uint32_t triangle : part)
+    {
+      if (sides[triangle] != fewer)
+      {
+        continue;
+      }
+      const std::size_t corner = 3 * static_cast<std::size_t>(triangle);
+      const TriangleKey key =
+        KeyOfTriangle(this->Corners.begin() + static_cast<std::ptrdiff_t>(corner));
+      std::swap(this->Corners[corner + 1], this->Corners[corner + 2]);
+      // Of a triangle in both senses, either may have been left out.
+      if (this->Material != 0 && this->Opposed.count(key) == 0 &&
+        this->Shared.TurnedTriangles.insert(key).second)
+      {
+        this->Defects.Add(Kind::TurnedTriangles,
+          { (1.0 / 3) * (this->Point(corner) + this->Point(corner + 1) + this->Point(corner + 2)),
+            this->Material, 0 });
+      }
     }
   }
 
@@ -247,12 +428,12 @@ private:
   void AddPinch(const HalfEdge& edge)
   {
     const std::uint32_t next = Next(edge.Corner);
-    if (this->Pinched.Edges.insert(edge.Key).second)
+    if (this->Shared.PinchedEdges.insert(edge.Key).second)
     {
       this->Defects.Add(Kind::Pinches,
         { 0.5 * (this->Point(edge.Corner) + this->Point(next)), this->Material, 0 });
     }
-    this->Pinched.Points.insert({ this->Corners[edge.Corner], this->Corners[next] });
+    this->Shared.PinchedPoints.insert({ this->Corners[edge.Corner], this->Corners[next] });
   }
 
   /// Finds points with more than one fan of triangles, except those on pinched edges.
@@ -265,14 +446,14 @@ private:
       const std::uint32_t id = this->Corners[corner];
       const std::uint32_t fan = fans.Root(corner);
       const auto [entry, first] = fanOf.emplace(id, fan);
-      if (!first && entry->second != fan && this->Pinched.Points.insert(id).second)
+      if (!first && entry->second != fan && this->Shared.PinchedPoints.insert(id).second)
       {
         this->Defects.Add(Kind::Pinches, { this->PointOf(id), this->Material, 0 });
       }
     }
   }
 
-  /// Joins connected open edges to holes.
+  /// Joins connected open edges to holes, or to seams where all of them lie on others.
   void AddHoles(const std::vector<HalfEdge>& open)
   {
     std::map<std::uint32_t, std::uint32_t> places;
@@ -287,6 +468,18 @@ private:
     {
       joined.Join(placeOf(edge.Key >> 32), placeOf(edge.Key & 0xffffffff));
     }
+    std::map<std::array<Vector3, 2>, int> edgesAt;
+    const auto endsOf = [this](const HalfEdge& edge)
+    {
+      const Vector3 a = this->PointOf(static_cast<std::uint32_t>(edge.Key >> 32));
+      const Vector3 b = this->PointOf(static_cast<std::uint32_t>(edge.Key));
+      return a < b ? std::array{ a, b } : std::array{ b, a };
+    };
+    for (const HalfEdge& edge : open)
+    {
+      ++edgesAt[endsOf(edge)];
+    }
+    std::set<std::uint32_t> ends;
     std::map<std::uint32_t, MeshDefect::Place> holes;
     for (const HalfEdge& edge : open)
     {
@@ -297,21 +490,27 @@ private:
       hole.Material = this->Material;
       hole.LengthMm += length;
       hole.Point = hole.Point + 0.5 * length * (a + b);
+      if (edgesAt[endsOf(edge)] < 2)
+      {
+        ends.insert(joined.Root(placeOf(edge.Key >> 32)));
+      }
     }
     for (auto& [root, hole] : holes)
     {
       hole.Point = hole.LengthMm > 0 ? (1 / hole.LengthMm) * hole.Point : hole.Point;
-      this->Defects.Add(Kind::Holes, hole);
+      this->Defects.Add(ends.count(root) > 0 ? Kind::Holes : Kind::OpenSeams, hole);
     }
   }
 
   const SurfaceMesh& Surface;
   int Material;
-  PinchedPlaces& Pinched;
+  SharedPlaces& Shared;
   DefectList& Defects;
   /// Point of every corner of the triangles that bound the material.
   std::vector<std::uint32_t> Corners;
   std::vector<HalfEdge> Edges;
+  /// Triangles that were there in both senses.
+  std::set<TriangleKey> Opposed;
 };
 
 void FindCoincidentPoints(const std::vector<double>& points, DefectList& defects)
@@ -438,13 +637,13 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
   materials.insert(surface.FrontMaterials.begin(), surface.FrontMaterials.end());
   std::vector<int> order(materials.upper_bound(0), materials.end());
   order.push_back(0);
-  PinchedPlaces pinched;
+  SharedPlaces shared;
   std::size_t done = 0;
   for (const int material : order)
   {
     ReportProgress(progress, 0.4 + 0.6 * static_cast<double>(done++) / order.size(),
       "checking boundaries");
-    BoundaryCheck check(surface, material, pinched, defects);
+    BoundaryCheck check(surface, material, shared, defects);
     check.Run();
     if (material == 0)
     {
@@ -516,6 +715,10 @@ const char* Describe(Kind kind)
       return "triangles of no area";
     case Kind::DoubledTriangles:
       return "triangles that are there twice";
+    case Kind::TurnedTriangles:
+      return "triangles turned against their neighbours";
+    case Kind::OpenSeams:
+      return "borders that coincide with others point for point (mesh --repair welds them)";
     case Kind::Holes:
       return "holes in the boundary of a material";
     case Kind::Crossings:
@@ -549,8 +752,8 @@ std::string MeshDefect::Text(const std::vector<std::string>& names) const
     text += at;
     if (place.LengthMm > 0)
     {
-      std::snprintf(at, sizeof(at), this->What == Kind::Holes ? ", border %.3g mm" : ", %.3g mm",
-        place.LengthMm);
+      const bool isBorder = this->What == Kind::Holes || this->What == Kind::OpenSeams;
+      std::snprintf(at, sizeof(at), isBorder ? ", border %.3g mm" : ", %.3g mm", place.LengthMm);
       text += at;
     }
   }

@@ -26,8 +26,14 @@ struct MAMMORAYMESHING_EXPORT MeshDefect
     UnusedPoints,
     /// Triangles with zero area.
     FlatTriangles,
-    /// Triangles that bound a material once more, with the same corners in the same sense.
+    /// Triangles that bound a material once more, with the same corners in either sense. Where two
+    /// closed bodies share a face, it is there once for each and no defect.
     DoubledTriangles,
+    /// Triangles turned against most of those that are joined to them.
+    TurnedTriangles,
+    /// Borders, every edge of which lies at the place of another one: the boundary closes, but its
+    /// parts have points of their own. One place per border.
+    OpenSeams,
     /// Edges where the boundary of a material ends; one place per hole.
     Holes,
     /// Edges or points where the boundary of a material, or of air, touches itself. X-rays are not
@@ -47,14 +53,14 @@ struct MAMMORAYMESHING_EXPORT MeshDefect
     Vector3 Point{ 0, 0, 0 };
     /// The material concerned; -1 if there is none.
     int Material = -1;
-    /// Length of a hole's border, or of the segment of a ray that is counted wrongly, mm; 0 for
-    /// other kinds.
+    /// Length of a hole's or a seam's border, or of the segment of a ray that is counted wrongly,
+    /// mm; 0 for other kinds.
     double LengthMm = 0;
   };
 
   Kind What = Kind::InvertedCells;
   std::size_t Count = 0;
-  /// At most MostPlaces places: the longest holes, otherwise the first places.
+  /// At most MostPlaces places: the longest holes and seams, otherwise the first places.
   std::vector<Place> Places;
   static constexpr std::size_t MostPlaces = 20;
 
@@ -116,8 +122,8 @@ MAMMORAYMESHING_EXPORT MeshCheck CheckMesh(const TetrahedralMesh& mesh,
   const ProgressCallback& progress = {});
 
 /// Checks a surface: the boundary of every material, and whether the surface intersects or overlaps
-/// itself. Triangles with the same material on both sides bound nothing. Distinct points may
-/// coincide where closed surfaces touch.
+/// itself. Volumes are those with turned triangles turned back. Triangles with the same material on
+/// both sides bound nothing. Distinct points may coincide where closed surfaces touch.
 MAMMORAYMESHING_EXPORT MeshCheck CheckSurface(const SurfaceMesh& surface,
   const ProgressCallback& progress = {});
 }

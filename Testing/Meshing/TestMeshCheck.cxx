@@ -7,6 +7,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
 using namespace mammoray;
 using namespace shapes;
 using Kind = MeshDefect::Kind;
@@ -221,6 +226,127 @@ TEST(MeshCheck, DoubledTrianglesAreNoHoles)
   EXPECT_NEAR(check.Materials[0].VolumeMm3, volume, 1e-9);
 }
 
+TEST(MeshCheck, TurnedAndDoubledTrianglesAndHolesAreToldApart)
+{
+  SurfaceMesh surface;
+  AddSphere(surface, { 10, 20, 30 }, 5, 3, 3);
+  const double volume = CheckSurface(surface).Materials[0].VolumeMm3;
+  const auto ids = [&surface](std::size_t triangle) { return &surface.Triangles[3 * triangle]; };
+  // Two far from each other.
+  for (const std::size_t triangle : { 7, 900 })
+  {
+    std::swap(ids(triangle)[1], ids(triangle)[2]);
+  }
+  MeshCheck check = CheckSurface(surface);
+  ASSERT_TRUE(check.Find(Kind::TurnedTriangles));
+  EXPECT_EQ(check.Find(Kind::TurnedTriangles)->Count, 2u);
+  EXPECT_THAT(check.Find(Kind::TurnedTriangles)->Text({}),
+    testing::HasSubstr("2 triangles turned against their neighbours: material 3 at"));
+  EXPECT_FALSE(check.Find(Kind::Holes));
+  EXPECT_NEAR(check.Materials[0].VolumeMm3, volume, 1e-9);
+  // One there twice in the same sense, one in the other, and a hole.
+  const std::vector<std::uint32_t> given = surface.Triangles;
+  AddTriangle(surface, given[3 * 100], given[3 * 100 + 1], given[3 * 100 + 2], 3, 0);
+  AddTriangle(surface, given[3 * 300], given[3 * 300 + 2], given[3 * 300 + 1], 3, 0);
+  surface.Triangles.erase(surface.Triangles.begin() + 3 * 600, surface.Triangles.begin() + 3 * 601);
+  surface.FrontMaterials.pop_back();
+  surface.BackMaterials.pop_back();
+  check = CheckSurface(surface);
+  for (const auto& [kind, count] : { std::pair{ Kind::TurnedTriangles, 2u },
+         std::pair{ Kind::DoubledTriangles, 2u }, std::pair{ Kind::Holes, 1u } })
+  {
+    ASSERT_TRUE(check.Find(kind)) << static_cast<int>(kind);
+    EXPECT_EQ(check.Find(kind)->Count, count) << static_cast<int>(kind);
+  }
+  EXPECT_LT(check.Find(Kind::Holes)->Places[0].LengthMm, 3);
+  EXPECT_FALSE(check.Find(Kind::Pinches));
+}
+
+TEST(MeshCheck, FacesThatBodiesShareAreNotDoubled)
+{
+  // Two boxes of one material, a face of each at the same points.
+  const auto boxes = [](bool isWhole)
+  {
+    TetrahedralMesh both = test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 2 }, { 2, 2, 2 });
+    for (std::size_t cell = 0; cell < both.NumberOfCells(); ++cell)
+    {
+      both.Materials[cell] = both.CellCentre(cell)[0] < 1 ? 1 : 2;
+    }
+    SurfaceMesh found = ExtractInterfaces(both);
+    const std::size_t count = found.NumberOfTriangles();
+    for (std::size_t triangle = 0; triangle < count; ++triangle)
+    {
+      std::uint16_t& front = found.FrontMaterials[triangle];
+      std::uint16_t& back = found.BackMaterials[triangle];
+      const std::uint32_t* const ids = &found.Triangles[3 * triangle];
+      const std::array<std::uint32_t, 3> turned{ ids[0], ids[2], ids[1] };
+      const bool isBetween = front != 0 && back != 0;
+      front = front == 0 ? 0 : 1;
+      back = back == 0 ? 0 : 1;
+      if (isBetween)
+      {
+        front = 0;
+        back = 1;
+        if (isWhole)
+        {
+          AddTriangle(found, turned[0], turned[1], turned[2], 1, 0);
+        }
+      }
+    }
+    return CheckSurface(found);
+  };
+  const MeshCheck whole = boxes(true);
+  EXPECT_FALSE(whole.Find(Kind::DoubledTriangles));
+  EXPECT_FALSE(whole.Find(Kind::TurnedTriangles));
+  EXPECT_FALSE(whole.Find(Kind::Holes));
+  EXPECT_NEAR(whole.Materials[0].VolumeMm3, 8, 1e-12);
+  EXPECT_FALSE(boxes(false).Sound());
+}
+
+TEST(MeshCheck, BordersThatCoincideAreNoHoles)
+{
+  // A cube whose faces have points of their own, as programs write it that give points normals.
+  SurfaceMesh cube;
+  AddBox(cube, { 0, 0, 0 }, { 10, 10, 10 }, 1);
+  SurfaceMesh split;
+  std::map<std::array<std::uint32_t, 2>, std::uint32_t> own;
+  for (std::size_t triangle = 0; triangle < cube.NumberOfTriangles(); ++triangle)
+  {
+    const Vector3 normal = Cross(cube.Corner(triangle, 1) - cube.Corner(triangle, 0),
+      cube.Corner(triangle, 2) - cube.Corner(triangle, 0));
+    std::uint32_t side = 0;
+    for (std::uint32_t axis = 0; axis < 3; ++axis)
+    {
+      side = normal[axis] > 1 ? axis : normal[axis] < -1 ? axis + 3 : side;
+    }
+    std::uint32_t ids[3];
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      const std::array key{ side, cube.Triangles[3 * triangle + corner] };
+      if (own.count(key) == 0)
+      {
+        own[key] = AddPoint(split, cube.Corner(triangle, corner));
+      }
+      ids[corner] = own[key];
+    }
+    AddTriangle(split, ids[0], ids[1], ids[2], 1, 0);
+  }
+  ASSERT_EQ(split.NumberOfPoints(), 24u);
+  MeshCheck check = CheckSurface(split);
+  ASSERT_TRUE(check.Find(Kind::OpenSeams));
+  EXPECT_EQ(check.Find(Kind::OpenSeams)->Count, 6u);
+  EXPECT_THAT(check.Find(Kind::OpenSeams)->Text({}),
+    testing::AllOf(testing::HasSubstr("6 borders that coincide"),
+      testing::HasSubstr("mesh --repair welds them"), testing::HasSubstr("border 40 mm")));
+  EXPECT_FALSE(check.Find(Kind::Holes));
+  // A face that is not there leaves a hole; the other borders still meet each other in part.
+  split.Triangles.resize(split.Triangles.size() - 6);
+  split.FrontMaterials.resize(10);
+  split.BackMaterials.resize(10);
+  check = CheckSurface(split);
+  EXPECT_TRUE(check.Find(Kind::Holes));
+}
+
 TEST(MeshCheck, TouchingSurfacesThatShareTheirInterface)
 {
   const SurfaceMesh layers = Layers({ 0, 1, 3 }, 2);
@@ -232,7 +358,10 @@ TEST(MeshCheck, TouchingSurfacesThatShareTheirInterface)
   EXPECT_NEAR(check.Materials[1].VolumeMm3, 32, 1e-12);
   SurfaceMesh turned = layers;
   std::swap(turned.FrontMaterials[0], turned.BackMaterials[0]);
-  EXPECT_FALSE(CheckSurface(turned).Sound()) << "a triangle that is turned round";
+  check = CheckSurface(turned);
+  ASSERT_TRUE(check.Find(Kind::TurnedTriangles));
+  EXPECT_EQ(check.Find(Kind::TurnedTriangles)->Count, 1u);
+  EXPECT_EQ(check.Defects.size(), 1u);
 }
 
 TEST(MeshCheck, SurfacesThatCrossAndPartsInsideOfOthers)

@@ -99,7 +99,8 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
 MeshCheck CheckClosed(const SurfaceMesh& surfaces)
 {
   MeshCheck check = CheckSurface(surfaces);
-  for (const auto kind : { MeshDefect::Kind::DoubledTriangles, MeshDefect::Kind::Holes })
+  for (const auto kind : { MeshDefect::Kind::DoubledTriangles, MeshDefect::Kind::TurnedTriangles,
+         MeshDefect::Kind::OpenSeams, MeshDefect::Kind::Holes })
   {
     if (const MeshDefect* defect = check.Find(kind))
     {
