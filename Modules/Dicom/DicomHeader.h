@@ -121,6 +121,10 @@ struct DicomHeader : SlicePlace
   bool ImplantPresent = false;
 };
 
+/// True if the file starts with a DICOM preamble (PS3.10), or like a little-endian data set or meta
+/// information: older software wrote no preamble.
+MAMMORAYDICOM_EXPORT bool HasDicomHeader(const std::string& path);
+
 /**
  * Reads a DICOM file up to its pixels, which takes a fraction of a millisecond. Returns nothing if
  * the file does not start like a DICOM file: PS3.10, or a bare data set as older software stored

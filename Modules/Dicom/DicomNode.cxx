@@ -542,6 +542,10 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
   for (const std::string& path : paths)
   {
     std::error_code problem;
+    if (!fs::exists(path, problem))
+    {
+      throw InputError(path + ": no such file");
+    }
     if (!fs::is_directory(path, problem))
     {
       files.push_back(path);

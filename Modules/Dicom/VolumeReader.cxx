@@ -7,6 +7,7 @@
 #include "Private/DicomFrames.h"
 #include "Private/DicomPixels.h"
 #include "Private/SliceStack.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 

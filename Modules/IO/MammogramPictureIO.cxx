@@ -125,7 +125,7 @@ void CheckSize(const std::string& path, const DecodedImage& image, int columns, 
 
 bool IsPicturePath(const std::string& path)
 {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = ExtensionOf(path);
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
 }
 

@@ -10,7 +10,8 @@
 
 namespace mammoray
 {
-/// Returns true for the extensions of pictures without a header: .jpg, .jpeg and .png.
+/// Returns true for the extensions of pictures without a header: .jpg, .jpeg and .png, in any
+/// case.
 MAMMORAYIO_EXPORT bool IsPicturePath(const std::string& path);
 
 /**

@@ -128,6 +128,12 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   this->ExpectRefused(
     this->Register(Labels, Materials, MammogramFile, "--free thickness,everything"), "everything");
   this->Folder.Write("picture.jpg", "no picture");
+  this->Folder.Write("picture.tif", "no picture");
+  this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.tif")),
+    "expected a DICOM mammogram, or a picture of one (.jpg, .jpeg or .png), found neither");
+  this->Folder.Write("camera.JPG", "no picture");
+  this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("camera.JPG")),
+    "expected its pixel spacing, view, laterality to be given");
   this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg")),
     "expected its pixel spacing, view, laterality to be given");
   this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg"),

@@ -180,6 +180,12 @@ TEST_F(ArchiveOf, OnlyDicomIsSent)
   EXPECT_EQ(FindDicomFiles({ this->MammogramPath(), this->MriPath() }).size(), 31U);
   EXPECT_THAT(RefusalOf([&] { FindDicomFiles({ this->Folder.File("lesion.nrrd") }); }),
     HasSubstr("expected a DICOM file"));
+  const std::string missing = this->Folder.File("missing.dcm");
+  EXPECT_EQ(RefusalOf(
+              [&] {
+                FindDicomFiles({ this->MammogramPath(), missing });
+              }),
+    missing + ": no such file");
   std::filesystem::create_directories(this->Folder.File("empty"));
   EXPECT_THAT(RefusalOf([&] { FindDicomFiles({ this->Folder.File("empty") }); }),
     HasSubstr("found none"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DicomFile.h"
 
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <dcmtk/dcmdata/dcistrmf.h>

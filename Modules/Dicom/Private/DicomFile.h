@@ -19,10 +19,6 @@ namespace mammoray
 /// True if the file starts with a DICOM preamble (PS3.10).
 bool HasDicomPreamble(const std::string& path);
 
-/// True if it does, or if it starts like a little-endian data set or meta information: older
-/// software wrote no preamble.
-bool HasDicomHeader(const std::string& path);
-
 /// Part of a file to read.
 enum class DicomExtent
 {

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace mammoray
@@ -148,6 +150,12 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
   if (IsPicturePath(path))
   {
     return { ReadMammogramPicture(path, given) };
+  }
+  std::error_code problem;
+  if (std::filesystem::is_regular_file(path, problem) && !HasDicomHeader(path))
+  {
+    throw InputError(path +
+      ": expected a DICOM mammogram, or a picture of one (.jpg, .jpeg or .png), found neither");
   }
   std::vector<Mammogram> mammograms = ReadProjections(path, given);
   CheckWholeBreast(input, path);
