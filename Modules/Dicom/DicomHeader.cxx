@@ -180,6 +180,10 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.BodyPartThicknessMm = DicomNumber(data, DCM_BodyPartThickness);
   header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   header.Magnification = DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
+  if (header.Modality != "MR")
+  {
+    ReceptorSpacingOf(data, header.WhyNoPixelSize);
+  }
   header.PaddleDescription = Shown(DicomTexts(data, DCM_PaddleDescription));
   header.PartialView = SaysYes(data, DCM_PartialView);
   header.ImplantPresent = SaysYes(data, DCM_BreastImplantPresent);

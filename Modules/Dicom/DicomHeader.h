@@ -116,6 +116,8 @@ struct DicomHeader : SlicePlace
   std::optional<double> BodyPartThicknessMm;
   std::optional<double> PositionerPrimaryAngleDeg;
   std::optional<double> Magnification;
+  /// Why the size of a pixel at the receptor is not known, a sentence. Empty if it is.
+  std::string WhyNoPixelSize;
   std::string PaddleDescription;
   bool PartialView = false;
   bool ImplantPresent = false;

@@ -88,7 +88,7 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 
 /// Names all that is missing at once, with what supplies it.
 [[noreturn]] void RefuseSpacing(const Mammogram& mammogram, const PictureDescription& given,
-  const std::string& path)
+  const std::string& path, const std::string& why)
 {
   std::string others;
   std::vector<std::string> fields{ "PixelSpacingMm" };
@@ -104,46 +104,26 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
   need(mammogram.Laterality != '?', "the side (0020,0062)", "Laterality");
   need(mammogram.BodyPartThicknessMm || given.ThicknessMm, "the thickness (0018,11A0)",
     "ThicknessMm");
-  throw InputError(path +
-      ": expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
-      "Magnification Factor, found neither: the size of a pixel is not known" +
-      others,
-    { "PixelSpacingMm", "", fields, true });
+  throw InputError(path + ": " + why + others, { "PixelSpacingMm", "", fields, true });
 }
 
 /// Reads the distances of pixels at the receptor. `mammogram` has its view and side.
 void ReadSpacing(DcmItem& data, const PictureDescription& given, const std::string& path,
   Mammogram& mammogram)
 {
-  double scale = 1;
-  DcmTagKey tag = DCM_ImagerPixelSpacing;
-  if (!PositiveNumber(data, tag))
+  std::string why;
+  if (const auto spacing = ReceptorSpacingOf(data, why))
   {
-    const std::optional<double> magnification =
-      PositiveNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
-    tag = DCM_PixelSpacing;
-    scale = magnification.value_or(0);
-  }
-  // Row spacing comes first in DICOM.
-  const std::optional<double> row = PositiveNumber(data, tag, 0);
-  const std::optional<double> column = PositiveNumber(data, tag, 1);
-  if (row && column && scale > 0)
-  {
-    mammogram.RowSpacingMm = scale * *row;
-    mammogram.ColumnSpacingMm = scale * *column;
+    mammogram.RowSpacingMm = (*spacing)[0];
+    mammogram.ColumnSpacingMm = (*spacing)[1];
   }
   else if (given.PixelSpacingMm)
   {
     mammogram.RowSpacingMm = mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
   }
-  else if (!row || scale == 0)
-  {
-    RefuseSpacing(mammogram, given, path);
-  }
   else
   {
-    throw InputError(path + ": expected two positive numbers as pixel spacing, found one",
-      { "PixelSpacingMm", "", { "PixelSpacingMm" } });
+    RefuseSpacing(mammogram, given, path, why);
   }
 }
 

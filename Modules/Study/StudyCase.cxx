@@ -207,6 +207,13 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   {
     HideNames(study);
   }
+  for (StudyMammogram& image : study.Mammograms)
+  {
+    if (input.PixelSpacingMm)
+    {
+      image.Header.WhyNoPixelSize.clear();
+    }
+  }
   StudyChoice choice =
     ChooseForRegistration(std::move(study), laterality, input.Series, input.ImagePosition);
   choice.Require();

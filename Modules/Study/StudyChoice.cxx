@@ -309,7 +309,10 @@ void ChooseViews(StudyChoice& choice)
     const char* name = view == &choice.Cc ? "CC" : "MLO";
     if (const auto index = ChooseMammogram(choice.Found.Mammograms, choice.Laterality, name))
     {
-      *view = choice.Found.Mammograms[*index];
+      StudyMammogram& taken = choice.Found.Mammograms[*index];
+      taken.Reason +=
+        taken.Header.WhyNoPixelSize.empty() ? "" : ", whose pixels' size is not known";
+      *view = taken;
     }
   }
   if (choice.Cc.has_value() != choice.Mlo.has_value())
@@ -416,6 +419,14 @@ StudyChoice ChooseForRegistration(Study study, std::optional<char> laterality,
     choice.Refusal = WhyNoViews(choice);
     choice.Remedy =
       choice.Laterality == '?' && !choice.Found.Mammograms.empty() ? "Laterality" : "";
+  }
+  for (const auto* view : { &choice.Cc, &choice.Mlo })
+  {
+    if (choice.Refusal.empty() && *view && !(*view)->Header.WhyNoPixelSize.empty())
+    {
+      choice.Refusal = (*view)->Header.WhyNoPixelSize + " in " + (*view)->Header.Path;
+      choice.Remedy = "PixelSpacingMm";
+    }
   }
   const std::vector<std::string>& damaged = choice.Found.Damaged;
   choice.Warnings.insert(choice.Warnings.end(), damaged.begin(), damaged.end());

@@ -225,7 +225,7 @@ TEST(DicomMammogram, RefusesWhatItWouldHaveToGuess)
   ExpectRefusal(TemporaryFile(Replaced(whole, "\x18\x00\x64\x11"s, "\x18\x00\x65\x11"s)).Path,
     "the size of a pixel is not known");
   ExpectRefusal(TemporaryFile(Replaced(whole, "0.1\\0.1 ", "0.0\\0.1 ")).Path,
-    "the size of a pixel is not known");
+    "found 0 x 0.1 as Imager Pixel Spacing: the size of a pixel is not known");
   ExpectRefusal(TemporaryFile(Replaced(whole, "MONOCHROME1 ", "RGB         ")).Path, "found 'RGB'");
   // Rescale Slope, (0028,1053).
   ExpectRefusal(TemporaryFile(Replaced(whole,

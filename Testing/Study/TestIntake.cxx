@@ -7,6 +7,7 @@
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/Intake.h"
+#include "mammoray/Study/StudyCase.h"
 
 #include <nlohmann/json.hpp>
 
@@ -230,6 +231,27 @@ TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
   EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Each(Not(HasSubstr("for certain"))));
   // No times: who reads the listing should know.
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
+}
+
+TEST(Intake, AMammogramWithoutThePixelsSizeNeedsIt)
+{
+  for (const auto& [spacing, found] :
+    { std::pair{ "", "found neither: the size of a pixel is not known in " },
+      { "0\\0", "found 0 x 0 as Imager Pixel Spacing: the size of a pixel is not known in " } })
+  {
+    MadeUpStudy files;
+    files.AddSlices(MadeUpMr("1.2.4", "t1"), 40);
+    files.Add(MadeUpMammogram("L", "CC").Set(0x18, 0x1164, "DS", spacing), "MG");
+    Study study = ReadStudy(files.Folder());
+    const StudyChoice choice = ChooseForRegistration(study);
+    EXPECT_THAT(choice.Refusal, HasSubstr(found));
+    EXPECT_THAT(ReasonsOf(choice.Found.Mammograms),
+      ElementsAre(testing::EndsWith("whose pixels' size is not known")));
+    EXPECT_THAT(RefusalOf([&] { choice.Require(); }), testing::EndsWith("; set PixelSpacingMm"));
+    RegistrationCase given;
+    given.PixelSpacingMm = 0.1;
+    EXPECT_EQ(RefusalOf([&] { TakeStudy(files.Folder(), 'L', given, {}); }), NotRefused);
+  }
 }
 
 TEST(Intake, APhaseAfterContrastIsTakenWithAWarning)

@@ -101,6 +101,7 @@ inline MadeUpHeader MadeUpMammogram(const std::string& side, const std::string& 
   header.Set(8, 0x20, "DA", "20260111").Set(8, 0x32, "TM", "101500").Set(8, 0x60, "CS", "MG");
   header.Set(0x10, 0x10, "PN", "Doe^Jane").Set(0x10, 0x20, "LO", "P1");
   header.Set(0x10, 0x30, "DA", "19700101").Set(0x10, 0x40, "CS", "F");
+  header.Set(0x18, 0x1164, "DS", "0.1\\0.1");
   header.Set(0x18, 0x11a0, "DS", "52").Set(0x18, 0x5101, "CS", view);
   header.Set(0x20, 0xe, "UI", "1.7").Set(0x20, 0x62, "CS", side);
   return header.SetSize(2, 2);

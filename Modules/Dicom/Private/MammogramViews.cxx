@@ -3,6 +3,9 @@
 
 #include "Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
+
+#include <tuple>
 
 namespace mammoray
 {
@@ -101,6 +104,37 @@ char MammogramLaterality(DcmItem& data)
     }
   }
   return '?';
+}
+
+std::optional<std::array<double, 2>> ReceptorSpacingOf(DcmItem& data, std::string& why)
+{
+  const double magnification =
+    DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor).value_or(0);
+  std::string found;
+  for (const auto& [tag, name, scale] :
+    { std::tuple(DCM_ImagerPixelSpacing, "Imager Pixel Spacing ", 1.0),
+      std::tuple(DCM_PixelSpacing, "Pixel Spacing ", magnification) })
+  {
+    // Row spacing comes first in DICOM.
+    const std::optional<double> row = DicomNumber(data, tag, 0);
+    const std::optional<double> column = DicomNumber(data, tag, 1);
+    if (row && column && *row > 0 && *column > 0 && scale > 0)
+    {
+      return std::array{ scale * *row, scale * *column };
+    }
+    if (row)
+    {
+      const bool isSize = column && *row > 0 && *column > 0;
+      found += (found.empty() ? "" : ", ") + NumberText(*row) +
+        (column ? " x " + NumberText(*column) : " alone") + " as " + name +
+        (isSize ? "without magnification" : "");
+    }
+  }
+  found.erase(found.find_last_not_of(' ') + 1);
+  why = "expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
+        "Magnification Factor, found " +
+    (found.empty() ? "neither" : found) + ": the size of a pixel is not known";
+  return std::nullopt;
 }
 
 bool IsForProcessingClass(const std::string& sopClass)

@@ -4,6 +4,8 @@
 
 #include "mammoray/Foundation/Mammogram.h"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,11 @@ std::vector<std::string> MammogramViewModifiers(DcmItem& data);
 
 /// 'L', 'R' or '?'.
 char MammogramLaterality(DcmItem& data);
+
+/// Distances of rows and of columns at the receptor, mm: Imager Pixel Spacing, or else Pixel
+/// Spacing times the magnification. Nothing if they are not known; `why` is the refusal then:
+/// "expected Imager Pixel Spacing ..., found neither: ...".
+std::optional<std::array<double, 2>> ReceptorSpacingOf(DcmItem& data, std::string& why);
 
 /// IsForProcessingClass is true for mammograms and tomosynthesis projections For Processing,
 /// IsBreastProjection for tomosynthesis projections of either intent (PS3.3 A.74).
