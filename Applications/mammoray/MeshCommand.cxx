@@ -243,7 +243,9 @@ void RefuseDefects(const MeshCheck& check, const std::string& path,
   for (const MeshDefect& defect : check.Defects)
   {
     // The last one becomes the error message.
-    const ConvergenceError error(path + ": " + defect.Text(names));
+    const bool isSeam = defect.What == MeshDefect::Kind::OpenSeams;
+    const ConvergenceError error(
+      path + ": " + defect.Text(names) + (isSeam ? "; mesh --repair welds them" : ""));
     if (&defect == &check.Defects.back())
     {
       throw error;

@@ -718,7 +718,7 @@ const char* Describe(Kind kind)
     case Kind::TurnedTriangles:
       return "triangles turned against their neighbours";
     case Kind::OpenSeams:
-      return "borders that coincide with others point for point (mesh --repair welds them)";
+      return "borders that coincide with others point for point, which a repair welds";
     case Kind::Holes:
       return "holes in the boundary of a material";
     case Kind::Crossings:

@@ -310,6 +310,8 @@ TEST_F(MeshCommand, RepairsASurface)
   }
   const std::string bad = this->Folder.Write("bad.obj", text);
   EXPECT_EQ(this->Run("mesh --check " + bad), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("7 borders that coincide"));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("mesh --repair welds them"));
   const std::string good = this->Folder.File("good.vtp");
   ASSERT_EQ(this->Run("mesh --repair " + bad + " -o " + good), 0) << this->Errors;
   EXPECT_THAT(this->Output,
