@@ -183,6 +183,7 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   if (header.Modality != "MR")
   {
     ReceptorSpacingOf(data, header.WhyNoPixelSize);
+    NoteContradictions(data, header.Path);
   }
   header.PaddleDescription = Shown(DicomTexts(data, DCM_PaddleDescription));
   header.PartialView = SaysYes(data, DCM_PartialView);

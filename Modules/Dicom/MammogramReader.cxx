@@ -322,6 +322,7 @@ std::vector<Mammogram> ReadHere(const std::string& path, const PictureDescriptio
   // The header first: what is no mammogram is refused before its pixels are looked at.
   const DicomFile file(path, "a DICOM mammogram");
   CheckIsMammogram(file.Data(), path);
+  NoteContradictions(file.Data(), path);
   if (IsBreastProjection(DicomText(file.Data(), DCM_SOPClassUID)))
   {
     return ReadFrames(file, given, path);

@@ -2,6 +2,7 @@
 #include "DicomBytes.h"
 #include "Files.h"
 #include "Refusals.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -273,8 +274,9 @@ TEST(DicomMammogram, TakesTheSpacingAtTheReceptorFromTheMagnification)
   EXPECT_DOUBLE_EQ(ReadMammogram(TemporaryFile(bytes).Path).ColumnSpacingMm, 0.125);
 }
 
-/// 5 x 3 pixels of a byte, as an odd number of them, of which nothing else is said.
-std::vector<char> DigitisedFilm(const std::string& more = "")
+/// 5 x 3 pixels of a byte, as an odd number of them, of which nothing else is said but `more`, up
+/// to group 20, and `code`, after group 28.
+std::vector<char> DigitisedFilm(const std::string& more = "", const std::string& code = "")
 {
   using namespace test;
   const std::string film = "1.2.840.10008.5.1.4.1.1.7";
@@ -288,9 +290,39 @@ std::vector<char> DigitisedFilm(const std::string& more = "")
       more + Element(0x28, 2, "US", Us(1)) + Element(0x28, 4, "CS", "MONOCHROME2") +
       Element(0x28, 0x10, "US", Us(5)) + Element(0x28, 0x11, "US", Us(3)) +
       Element(0x28, 0x100, "US", Us(8)) + Element(0x28, 0x101, "US", Us(8)) +
-      Element(0x28, 0x102, "US", Us(7)) + Element(0x28, 0x103, "US", Us(0)) +
+      Element(0x28, 0x102, "US", Us(7)) + Element(0x28, 0x103, "US", Us(0)) + code +
       Element(0x7fe0, 0x10, "OB", pixels));
   return { bytes.begin(), bytes.end() };
+}
+
+TEST(DicomMammogram, ContradictingViewsAndSidesAreNoted)
+{
+  using namespace test;
+  const auto notes = [](const char* view, const char* code, const char* series, const char* image)
+  {
+    const TemporaryFile film(
+      DigitisedFilm(Element(0x18, 0x1164, "DS", "0.1\\0.1") + Element(0x18, 0x5101, "CS", view) +
+          Element(0x20, 0x60, "CS", series) + Element(0x20, 0x62, "CS", image),
+        Sequence(0x54, 0x220,
+          { Element(8, 0x100, "SH", code) + Element(8, 0x102, "SH", "SRT") +
+            Element(8, 0x104, "LO", "a view") })));
+    NoteKeeper kept;
+    const Mammogram read = ReadMammogram(film.Path);
+    EXPECT_EQ(read.View, view);
+    EXPECT_EQ(read.Laterality, image[0]);
+    const std::vector<std::string> once = kept.Lines;
+    EXPECT_TRUE(ReadDicomHeader(film.Path)); // says the same
+    EXPECT_EQ(kept.Lines.size(), 2 * once.size());
+    return once;
+  };
+  EXPECT_THAT(notes("MLO", "R-10226", "L", "L"), ::testing::IsEmpty());
+  EXPECT_THAT(notes("MLO", "R-99999", "", "L"), ::testing::IsEmpty());
+  EXPECT_THAT(notes("MLO", "R-10242", "", "L"),
+    ::testing::ElementsAre(HasSubstr("its View Position (0018,5101) says MLO, its View Code "
+                                     "Sequence (0054,0220) CC (cranio-caudal); MLO is taken")));
+  EXPECT_THAT(notes("CC", "399162004", "R", "L"),
+    ::testing::ElementsAre(HasSubstr("its Image Laterality (0020,0062) says L, its Laterality "
+                                     "(0020,0060) R; L is taken")));
 }
 
 TEST(DicomMammogram, WhatIsGivenTakesThePlaceOfWhatADigitisedFilmLacks)

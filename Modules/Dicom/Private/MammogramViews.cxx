@@ -5,7 +5,10 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 
+#include <algorithm>
+#include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace mammoray
 {
@@ -60,6 +63,22 @@ void AddModifiers(DcmItem& data, std::vector<std::string>& modifiers)
     modifiers.push_back(ModifierOf(*item));
   }
 }
+/// The view of the code; null if there is none or it is another one.
+const MammogramView* CodedView(DcmItem& data)
+{
+  DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
+  const std::string code = item ? DicomText(*item, DCM_CodeValue) : "";
+  const auto* const found = std::find_if(std::begin(MammogramViews), std::end(MammogramViews),
+    [&code](const MammogramView& view) { return code == view.SnomedCt || code == view.SnomedRt; });
+  return found == std::end(MammogramViews) ? nullptr : found;
+}
+
+/// Elements that tell the side, the first that does so counts.
+const std::pair<DcmTagKey, const char*> Lateralities[] = {
+  { DCM_ImageLaterality, "Image Laterality (0020,0062)" },
+  { DCM_Laterality, "Laterality (0020,0060)" },
+  { DCM_FrameLaterality, "Frame Laterality (0020,9072)" },
+};
 }
 
 std::string MammogramViewOf(DcmItem& data)
@@ -70,15 +89,8 @@ std::string MammogramViewOf(DcmItem& data)
   {
     return position;
   }
-  const std::string code = DicomText(*item, DCM_CodeValue);
-  for (const MammogramView& view : MammogramViews)
-  {
-    if (code == view.SnomedCt || code == view.SnomedRt)
-    {
-      return view.Name;
-    }
-  }
-  return EscapeControls(DicomText(*item, DCM_CodeMeaning));
+  const MammogramView* const view = CodedView(data);
+  return view ? view->Name : EscapeControls(DicomText(*item, DCM_CodeMeaning));
 }
 
 std::vector<std::string> MammogramViewModifiers(DcmItem& data)
@@ -95,15 +107,46 @@ std::vector<std::string> MammogramViewModifiers(DcmItem& data)
 
 char MammogramLaterality(DcmItem& data)
 {
-  for (const DcmTagKey& laterality : { DCM_ImageLaterality, DCM_Laterality, DCM_FrameLaterality })
+  for (const auto& [tag, name] : Lateralities)
   {
-    const std::string value = DicomText(data, laterality);
+    const std::string value = DicomText(data, tag);
     if (value == "L" || value == "R")
     {
       return value[0];
     }
   }
   return '?';
+}
+
+void NoteContradictions(DcmItem& data, const std::string& path)
+{
+  const std::string position = DicomText(data, DCM_ViewPosition);
+  const bool isKnown = std::any_of(std::begin(MammogramViews), std::end(MammogramViews),
+    [&position](const MammogramView& view) { return position == view.Name; });
+  if (const MammogramView* const coded = CodedView(data);
+      coded && isKnown && position != coded->Name)
+  {
+    Note(path + ": its View Position (0018,5101) says " + position +
+      ", its View Code Sequence (0054,0220) " + coded->Name + " (" + coded->Meaning + "); " +
+      position + " is taken");
+  }
+  std::string taken;
+  std::string from;
+  for (const auto& [tag, name] : Lateralities)
+  {
+    const std::string value = DicomText(data, tag);
+    if (value != "L" && value != "R")
+    {
+      continue;
+    }
+    if (!taken.empty() && value != taken)
+    {
+      Note(path + ": its " + from + " says " + taken + ", its " + name + " " + value + "; " +
+        taken + " is taken");
+    }
+    from = taken.empty() ? name : from;
+    taken = taken.empty() ? value : taken;
+  }
 }
 
 std::optional<std::array<double, 2>> ReceptorSpacingOf(DcmItem& data, std::string& why)

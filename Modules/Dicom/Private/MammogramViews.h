@@ -42,6 +42,9 @@ std::vector<std::string> MammogramViewModifiers(DcmItem& data);
 /// 'L', 'R' or '?'.
 char MammogramLaterality(DcmItem& data);
 
+/// Notes views and sides of one header that contradict each other, and which of them is taken.
+void NoteContradictions(DcmItem& data, const std::string& path);
+
 /// Distances of rows and of columns at the receptor, mm: Imager Pixel Spacing, or else Pixel
 /// Spacing times the magnification. Nothing if they are not known; `why` is the refusal then:
 /// "expected Imager Pixel Spacing ..., found neither: ...".
