@@ -456,8 +456,18 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
       ReadMessage(folder.Write(name, damaged));
     }
   }
-  // Uncompressed voxels that end early.
+  // What ends early, in the header and in the voxels, packed or not.
   const std::string nifti = ObliqueNifti(true, false);
+  EXPECT_THAT(ReadMessage(folder.Write("cut.nii", nifti.substr(0, 200))),
+    HasSubstr("cut.nii: expected NIfTI-1 with a header of 348 bytes, found 200 bytes"));
+  const std::string packed = ReadFile(Gzip(folder.File("packed.nii.gz"), nifti));
+  for (const std::size_t size : { std::size_t{ 30 }, packed.size() / 2, packed.size() - 9 })
+  {
+    EXPECT_THAT(ReadMessage(folder.Write("cut.nii.gz", packed.substr(0, size))),
+      HasSubstr("found compressed data that is too short or damaged"))
+      << size;
+  }
+  ExpectSame(ReadLabelFile(folder.Write("plain.nii.gz", nifti)), Oblique());
   EXPECT_THAT(ReadMessage(folder.Write("cut.nii", nifti.substr(0, nifti.size() - 1))),
     HasSubstr("expected 24 voxels of 1 bytes, found 23 bytes"));
   const std::string mha = "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_SHORT"

@@ -398,6 +398,33 @@ TEST_F(SurfaceFiles, PolygonsAreCutIntoTriangles)
     HasSubstr("face 4 of 6: expected 0 to 7, found 70000"));
 }
 
+TEST_F(SurfaceFiles, LinesEndInAnyOfThreeWays)
+{
+  const Body triangles = Triangulated(Cube());
+  for (const std::string end : { "\r", "\r\n", "\n" })
+  {
+    const auto ended = [&end](std::string text)
+    {
+      for (std::size_t at = text.find('\n'); at != std::string::npos;
+           at = text.find('\n', at + end.size()))
+      {
+        text.replace(at, 1, end);
+      }
+      return text;
+    };
+    this->ExpectVolume("a.obj", ended(Obj(Cube())), 1000, 12);
+    this->ExpectVolume("a.stl", ended(TextStl(triangles)), 1000, 12);
+    this->ExpectVolume("a.ply", ended(Ply(Cube(), "ascii", true)), 1000, 12);
+    EXPECT_NEAR(FromGrid(ReadMesh(this->Folder.Write("a.msh", ended(Gmsh4())))).CellVolume(0),
+      1.0 / 6, 1e-12);
+    EXPECT_THAT(this->Refusal("a.obj", ended(Obj(Cube()) + "f 1 2 99\n")),
+      HasSubstr("a.obj: line 15: expected vertices 1 to 8"));
+    EXPECT_THAT(
+      this->Refusal("a.stl", ended("solid\n\nfacet normal 0 0 1\nouter loop\nvertex 0 a 0\n")),
+      HasSubstr("a.stl: line 5: expected three numbers"));
+  }
+}
+
 TEST_F(SurfaceFiles, OnlyPlacesOfVerticesNeedBeNumbers)
 {
   const std::string header = "element vertex 8\nproperty float x\nproperty float y\nproperty float "

@@ -18,7 +18,7 @@
 namespace mammoray
 {
 /// The bytes of a file, without a byte order mark of UTF-8, which are taken word by word. Blanks,
-/// tabs and line ends (LF, CRLF) part words.
+/// tabs and line ends (LF, CRLF, CR) part words.
 class FileWords
 {
 public:
@@ -46,7 +46,7 @@ public:
     std::size_t begin = 0;
     for (; begin < this->Rest.size() && IsBlank(this->Rest[begin]); ++begin)
     {
-      this->LineNumber += this->Rest[begin] == '\n' ? 1 : 0;
+      this->LineNumber += this->EndsLine(begin) ? 1 : 0;
     }
     std::size_t end = begin;
     for (; end < this->Rest.size() && !IsBlank(this->Rest[end]);)
@@ -61,9 +61,10 @@ public:
   /// The rest of the line, without its end and without blanks around it.
   std::string_view Line()
   {
-    const std::size_t end = std::min(this->Rest.find('\n'), this->Rest.size());
+    const std::size_t end = std::min(this->Rest.find_first_of("\r\n"), this->Rest.size());
     std::string_view line = this->Rest.substr(0, end);
-    this->Rest.remove_prefix(std::min(end + 1, this->Rest.size()));
+    const std::size_t next = end + (this->Rest.substr(end, 2) == "\r\n" ? 2 : 1);
+    this->Rest.remove_prefix(std::min(next, this->Rest.size()));
     this->LineNumber += 1;
     while (!line.empty() && IsBlank(line.back()))
     {
@@ -78,8 +79,10 @@ public:
 
   void Skip(std::size_t count)
   {
-    this->LineNumber += static_cast<std::size_t>(std::count(this->Rest.begin(),
-      this->Rest.begin() + static_cast<std::ptrdiff_t>(count), '\n'));
+    for (std::size_t at = 0; at < count; ++at)
+    {
+      this->LineNumber += this->EndsLine(at) ? 1 : 0;
+    }
     this->Rest.remove_prefix(count);
   }
 
@@ -129,6 +132,12 @@ public:
   }
 
 private:
+  /// Whether what has not been taken has the end of a line there; of CRLF its last byte.
+  bool EndsLine(std::size_t at) const
+  {
+    return this->Rest[at] == '\n' ||
+      (this->Rest[at] == '\r' && this->Rest.substr(at + 1, 1) != "\n");
+  }
   static bool IsBlank(char letter)
   {
     return letter == ' ' || letter == '\t' || letter == '\n' || letter == '\r' || letter == '\f' ||

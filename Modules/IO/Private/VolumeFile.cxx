@@ -203,11 +203,11 @@ void ReadNiftiInformation(itk::ImageIOBase& itk)
   }
 }
 
-StoredVoxels NiftiVoxels(const NiftiHeader& header, const std::string& path, bool compressed)
+StoredVoxels NiftiVoxels(const NiftiHeader& header, const std::string& path)
 {
   const double offset = header.Number(108);
   StoredVoxels voxels{ path, offset > 0 && offset < 1e9 ? static_cast<std::uint64_t>(offset) : 0 };
-  voxels.Packed = compressed ? StoredVoxels::Packing::File : StoredVoxels::Packing::None;
+  voxels.Packed = header.IsPacked() ? StoredVoxels::Packing::File : StoredVoxels::Packing::None;
   return voxels;
 }
 
@@ -327,11 +327,11 @@ void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes
   }
   else if (extension == ".nii" || extension == ".nii.gz")
   {
-    itk = Open<itk::NiftiImageIO>(path, what, refusal, "NIfTI");
     const NiftiHeader header(path);
+    itk = Open<itk::NiftiImageIO>(path, what, refusal, "NIfTI");
     CallItk(refusal, [&] { ReadNiftiInformation(*itk); });
     grid = GridOf(*itk, path);
-    stored = NiftiVoxels(header, path, extension == ".nii.gz");
+    stored = NiftiVoxels(header, path);
     const int bits = header.At<std::int16_t>(72);
     storedBytes = bits >= 8 ? static_cast<std::uint64_t>(bits) / 8 : itk->GetComponentSize();
     TurnNifti(grid, header, path, axes);

@@ -248,15 +248,22 @@ void StraightenBy(const std::string& path, Volume& volume, const ValueAt& valueA
 
 NiftiHeader::NiftiHeader(const std::string& path)
 {
-  bool isWhole = false;
+  int count = 0;
   if (const gzFile file = gzopen(path.c_str(), "rb"))
   {
-    isWhole = gzread(file, this->Bytes.data(), Length) == Length;
+    count = std::max(gzread(file, this->Bytes.data(), Length), 0);
+    this->Packed = gzdirect(file) == 0;
     gzclose(file);
   }
+  if (count < Length)
+  {
+    throw InputError(path + ": expected NIfTI-1 with a header of " + std::to_string(Length) +
+      " bytes, found " +
+      (this->Packed ? "compressed data that is too short or damaged"
+                    : std::to_string(count) + " bytes"));
+  }
   this->IsSwapped = this->At<std::int32_t>(0) != Length;
-  if (!isWhole || this->At<std::int32_t>(0) != Length ||
-    std::memcmp(&this->Bytes[344], "n+1", 4) != 0)
+  if (this->At<std::int32_t>(0) != Length || std::memcmp(&this->Bytes[344], "n+1", 4) != 0)
   {
     throw InputError(path + ": expected NIfTI-1 in one file (magic n+1), found another form");
   }

@@ -19,7 +19,7 @@ namespace mammoray
 class MAMMORAYIO_EXPORT NiftiHeader
 {
 public:
-  /// Throws InputError on another file.
+  /// Throws InputError on another file and on one that ends within the header.
   explicit NiftiHeader(const std::string& path);
 
   /// The value at an offset of nifti1.h, in this machine's order of bytes.
@@ -37,11 +37,14 @@ public:
     return value;
   }
   double Number(std::size_t offset) const { return static_cast<double>(this->At<float>(offset)); }
+  /// Whether the file is compressed, whatever its name.
+  bool IsPacked() const { return this->Packed; }
 
 private:
   static constexpr int Length = 348;
   std::array<char, Length> Bytes{};
   bool IsSwapped = false;
+  bool Packed = false;
 };
 
 /**
