@@ -144,6 +144,29 @@ std::string VolumesText(const Study& study)
   return study.Series.size() > most ? text + " and more" : text;
 }
 
+std::string DamagedText(const Study& study)
+{
+  const std::size_t count = study.Damaged.size();
+  return count == 0 ? ""
+    : count == 1
+    ? study.Damaged.front()
+    : study.Damaged.front() + " (and " + std::to_string(count - 1) + " more damaged files)";
+}
+
+namespace
+{
+/// Why a folder's only series makes no volume. `refusal`: the reader's words, which name the files
+/// of doubled slices, but take those of damaged ones for missing.
+std::string WhyNoVolume(const std::string& path, const std::string& refusal, const Study& study)
+{
+  const std::string why = study.Series.empty() ? "" : study.Series.front().WhyNoGrid;
+  return !study.Damaged.empty() ? DamagedText(study)
+    : why.empty() || why.starts_with("doubled")
+    ? refusal
+    : path + ": expected slices that make a volume, found: " + why;
+}
+}
+
 FatSuppression FatOfMri(const std::string& path, std::optional<int> series)
 {
   std::error_code problem;
@@ -187,6 +210,10 @@ IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<
     {
       Note(path + ": " + against);
     }
+    if (!study.Damaged.empty())
+    {
+      Note(DamagedText(study));
+    }
     return ReadIntensitySlices(chosen.Slices, progress);
   }
   std::string refusal;
@@ -209,9 +236,7 @@ IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<
   }
   if (study.Series.size() < 2)
   {
-    throw InputError(study.Series.empty() || study.Series.front().WhyNoGrid.empty()
-        ? refusal
-        : path + ": expected slices that make a volume, found: " + study.Series.front().WhyNoGrid);
+    throw InputError(WhyNoVolume(path, refusal, study));
   }
   throw InputError(path + ": expected one volume, found " + std::to_string(study.Series.size()) +
       VolumesText(study),

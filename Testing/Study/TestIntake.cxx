@@ -233,6 +233,42 @@ TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
 }
 
+TEST(Intake, DamagedAndDoubledSlicesAreNamed)
+{
+  const auto refusal =
+    [](const std::function<void(MadeUpStudy&)>& change, std::optional<int> series)
+  {
+    MadeUpStudy files;
+    files.AddSlices(MadeUpMr("1.2.4", "t1"), 40);
+    change(files);
+    return RefusalOf([&] { ReadMri(files.File("DICOM"), VolumeAxes::Patient, series); });
+  };
+  const auto cut = [](MadeUpStudy& files)
+  {
+    const std::string whole = ReadFile(files.File("DICOM/IM20"));
+    files.Write("DICOM/IM20", whole.substr(0, whole.size() / 2));
+  };
+  EXPECT_THAT(refusal(cut, {}),
+    AllOf(HasSubstr("DICOM/IM20: expected"), HasSubstr("cut short"), Not(HasSubstr("missing"))));
+  EXPECT_THAT(refusal(cut, 1),
+    AllOf(HasSubstr("missing slices (1, the first after slice 19"), HasSubstr("; damaged: "),
+      HasSubstr("DICOM/IM20: expected")));
+  // Without its pixels.
+  EXPECT_THAT(refusal(
+                [](MadeUpStudy& files)
+                {
+                  const std::string whole = ReadFile(files.File("DICOM/IM20"));
+                  files.Write("DICOM/IM20", whole.substr(0, whole.rfind("\xe0\x7f\x10")));
+                },
+                {}),
+    HasSubstr("DICOM/IM20: expected"));
+  EXPECT_THAT(
+    refusal([](MadeUpStudy& files)
+      { files.AddSlices(MadeUpMr("1.2.4", "t1").Set(0x20, 0x13, "IS", "41"), 1, -60 + 3 * 19); },
+      {}),
+    AllOf(HasSubstr("found two at one"), HasSubstr("DICOM/IM20"), HasSubstr("DICOM/IM41")));
+}
+
 TEST(Intake, AMammogramWithoutThePixelsSizeNeedsIt)
 {
   for (const auto& [spacing, found] :

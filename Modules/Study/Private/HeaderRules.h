@@ -53,6 +53,9 @@ StudySeries& VolumeOfNumber(Study& study, int number);
 /// subtraction". Empty if nothing does.
 std::string AgainstVolume(const StudySeries& series);
 
+/// The first damaged file with its cause, and the number of more. Empty if there are none.
+std::string DamagedText(const Study& study);
+
 /// "; 1: 't1 tra' (60 slices of 320 x 320), 2: ..." for messages, the first 20.
 std::string VolumesText(const Study& study);
 
