@@ -32,6 +32,7 @@ using MassFractions = std::map<int, double>;
 
 /// Heavier elements than lead and bismuth, which no part is made of, are not taken for a mistake.
 constexpr int HeaviestUsual = 83;
+constexpr int HeaviestNamed = 92;
 
 /// "phosphorus and boron", of a formula's symbols.
 std::string ElementsIn(const std::vector<std::string>& symbols)
@@ -40,7 +41,7 @@ std::string ElementsIn(const std::vector<std::string>& symbols)
   for (const std::string& symbol : symbols)
   {
     const int number = SymbolToAtomicNumber(symbol.c_str(), nullptr);
-    const std::string name = number > 0 && number <= 92 ? ElementName(number) : symbol;
+    const std::string name = number > 0 && number <= HeaviestNamed ? ElementName(number) : symbol;
     if (std::find(names.begin(), names.end(), name) == names.end())
     {
       names.push_back(name);
@@ -66,7 +67,7 @@ std::string MistakenSymbol(const std::string& text, std::size_t at, bool isWhole
   const bool isOrganic = text.find('C') != std::string::npos && text.find('H') != std::string::npos;
   const std::set<std::string> groups{ "Co", "Cs", "Ho", "Os" };
   const bool isPossible = isWhole || (!isOrganic && groups.count(symbol) == 0);
-  const int heaviest = text.size() == 2 ? 94 : HeaviestUsual;
+  const int heaviest = text.size() == 2 ? HeaviestNamed : HeaviestUsual;
   return number > 0 && number <= heaviest && isPossible ? symbol : "";
 }
 
@@ -257,8 +258,10 @@ CompositionParts Parse(const std::string& text)
   {
     return found;
   }
-  // Names come first: PVC is no formula of phosphorus, vanadium and carbon.
-  const NamedMaterial* const named = FindNamedMaterial(text);
+  // Names come before formulas, since PVC is none of phosphorus, vanadium and carbon; elements come
+  // before names, which count in any case: Pa is no polyamide.
+  const bool isElement = SymbolToAtomicNumber(text.c_str(), nullptr) > 0;
+  const NamedMaterial* const named = isElement ? nullptr : FindNamedMaterial(text);
   if (named && named->Composition != text)
   {
     found = Parse(named->Composition);

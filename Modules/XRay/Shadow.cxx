@@ -315,10 +315,14 @@ std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wan
   }
   if (wantsAll && !isLine && seen.HasMaterial && seen.Share() < 1 - 1e-6)
   {
-    char share[32];
-    std::snprintf(share, sizeof share, "%.3g %%", 100 * seen.Share());
-    add(
-      std::string(share) + " of the shadow falls on the detector: " + seen.Reason(scene.Detector));
+    char share[64] = "";
+    // What lies behind the source or the detector has no shadow that could be counted.
+    if (!seen.HoldsSource && !seen.IsBehindSource && !seen.IsBehindDetector)
+    {
+      std::snprintf(share, sizeof share,
+        "%.3g %% of the shadow falls on the detector: ", 100 * seen.Share());
+    }
+    add(share + seen.Reason(scene.Detector));
   }
   return lines;
 }

@@ -228,6 +228,7 @@ TEST(Composition, PlasticsAreNoFormulas)
     EXPECT_NEAR(parts.DensityGPerCm3, density, 0.03) << name;
     EXPECT_EQ(parts.MassFractions.rbegin()->first, heaviest) << name;
   }
+  EXPECT_EQ(ParseComposition("Pa", "test").MassFractions.begin()->first, 91);
 }
 
 TEST(Composition, FormulasInCapitalsThatMeanAnotherElementAreRefused)
@@ -240,7 +241,8 @@ TEST(Composition, FormulasInCapitalsThatMeanAnotherElementAreRefused)
     { "CU", "copper is 'Cu'" }, { "CO", "cobalt is 'Co'" }, { "SI", "silicon is 'Si'" },
     { "HF", "hafnium is 'Hf'" }, { "SN", "tin is 'Sn'" }, { "CSI", "cesium is 'Cs'" },
     { "SIO2", "'S1I1O2'" }, { "CUSO4", "copper is 'Cu'" }, { "PPS", "'P1P1S1'" },
-    { "OO", "twice in a row" }, { "PSU", "a plastic" }, { "PB:0.5 C:0.5", "lead is 'Pb'" } };
+    { "OO", "twice in a row" }, { "PSU", "a plastic" }, { "PU", "a plastic" },
+    { "PB:0.5 C:0.5", "lead is 'Pb'" } };
   for (const auto& [text, expected] : mistaken)
   {
     EXPECT_THAT(refusal(text), testing::HasSubstr(expected)) << text;

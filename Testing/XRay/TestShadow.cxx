@@ -100,6 +100,10 @@ TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)
   EXPECT_EQ(warning(cut, 1, false), "");
   EXPECT_THAT(warning(cut, 1, true), testing::StartsWith("50 % of the shadow falls on the"));
   EXPECT_EQ(warning(ShadowBox({ 45, 25, 100 }, { 55, 35, 110 }), 1, true), "");
+  EXPECT_EQ(warning(ShadowBox({ 45, 25, -10 }, { 55, 35, 10 }), 1, true),
+    "the object lies in part behind the detector's plane");
+  EXPECT_EQ(warning(ShadowBox({ 45, 25, 190 }, { 55, 35, 210 }), 1, true),
+    "the source lies within the box around the object");
   EXPECT_THAT(warning(ShadowBox({ 45, 25, 210 }, { 55, 35, 220 }), 0, false),
     testing::StartsWith("the picture is empty: the object lies behind the source"));
 }
