@@ -351,7 +351,8 @@ TEST(DicomMammogram, WhatIsGivenTakesThePlaceOfWhatADigitisedFilmLacks)
   EXPECT_EQ(ReadMammogram(said.Path, { 0.05, "MLO", 'R' }).RowSpacingMm, 0.2);
   EXPECT_EQ(ReadMammogram(said.Path, { 0.05, "MLO", 'R' }).View, "CC");
   const TemporaryFile half(DigitisedFilm(test::Element(0x18, 0x1164, "DS", "0.2")));
-  EXPECT_THAT(test::RefusalOf([&] { ReadMammogram(half.Path); }), HasSubstr("found one; set"));
+  EXPECT_THAT(test::RefusalOf([&] { ReadMammogram(half.Path); }),
+    HasSubstr("found 0.2 alone as Imager Pixel Spacing: the size of a pixel is not known"));
 }
 
 TEST(DicomMammogram, DeclaredPaddingBecomesNan)
