@@ -460,8 +460,8 @@ TEST_F(SurfaceFiles, OnlyPlacesOfVerticesNeedBeNumbers)
   EXPECT_THAT(this->Refusal("cut.ply", text.substr(0, text.size() - 5)),
     HasSubstr("expected face 5 of 6, found the end of the file"));
   std::string coloured = Obj(Cube());
-  for (std::size_t end = coloured.find("\nv"); end != std::string::npos;
-       end = coloured.find("\nv", end + 1))
+  for (std::size_t end = coloured.find("\nf"); end != std::string::npos;
+       end = coloured.rfind("\nv", end - 1))
   {
     coloured.insert(end, " 1 nan nan nan");
   }
