@@ -264,7 +264,7 @@ TEST_F(ViewCommand, RefusesInOneLine)
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu"),
     "expected a material table beside a mesh; set --materials");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu") + " --materials victre",
-    "material 'wall' is not in the material table 'victre'");
+    "material 'wall' is not in the material table 'VICTRE phantoms'");
   this->ExpectRefused(this->MeshArguments + " --screenshot " + this->Folder.File("view.gif"),
     "expected the extension .png");
   EXPECT_EQ(this->Run("view"), 2);
