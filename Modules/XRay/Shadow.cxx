@@ -255,7 +255,7 @@ std::string Shadow::Reason(const XRayDetector& detector, const std::string& subj
   }
   const bool isWithin = this->Columns.Low >= -0.5 && this->Columns.High <= detector.Columns - 0.5 &&
     this->Rows.Low >= -0.5 && this->Rows.High <= detector.Rows - 0.5;
-  const std::string behind =
+  std::string behind =
     this->IsBehindDetector ? subject + " lies in part behind the detector's plane" : std::string();
   if (this->IsBehindDetector && isWithin)
   {
