@@ -379,8 +379,9 @@ std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSe
     scene.Detector = view.Detector;
     const Exposure exposure =
       job.Take(scene, number, ShareOf(progress, begin, 0.2 + 0.6 * (number + 1) / count));
-    const std::string found = job.WarningOf(scene, exposure);
-    if (warning.empty() && !found.empty())
+    // Shadows are measured until there is something to say of one.
+    const std::string found = warning.empty() ? job.WarningOf(scene, exposure) : std::string();
+    if (!found.empty())
     {
       warning = PrefixedLines(found, "projection " + std::to_string(number) + ": ");
     }

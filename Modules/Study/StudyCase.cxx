@@ -207,9 +207,9 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   {
     HideNames(study);
   }
-  for (StudyMammogram& image : study.Mammograms)
+  if (input.PixelSpacingMm)
   {
-    if (input.PixelSpacingMm)
+    for (StudyMammogram& image : study.Mammograms)
     {
       image.Header.WhyNoPixelSize.clear();
     }
