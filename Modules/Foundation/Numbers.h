@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <istream>
 #include <iterator>
+#include <streambuf>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,18 +41,25 @@ bool ToPaddedNumber(std::string_view text, Value& value)
   return ToNumber(text, value);
 }
 
-/// Reads the next line without its end (LF or CRLF). Returns false at the end of the text.
+/// Reads the next line without its end (LF, CRLF or CR). Returns false at the end of the text.
 inline bool ReadLine(std::istream& text, std::string& line)
 {
-  if (!std::getline(text, line))
+  using Bytes = std::istream::traits_type;
+  line.clear();
+  std::streambuf* const bytes = text.rdbuf();
+  for (auto byte = bytes->sbumpc(); byte != Bytes::eof(); byte = bytes->sbumpc())
   {
-    return false;
+    if (byte == '\r' && bytes->sgetc() == '\n')
+    {
+      continue;
+    }
+    if (byte == '\r' || byte == '\n')
+    {
+      return true;
+    }
+    line.push_back(Bytes::to_char_type(byte));
   }
-  if (!line.empty() && line.back() == '\r')
-  {
-    line.pop_back();
-  }
-  return true;
+  return !line.empty();
 }
 
 /// Formats a number with at most six significant digits: "0.05", "1e+09".

@@ -119,7 +119,7 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   }
   const std::vector<std::string> tables = KnownNames(folder, ".csv");
   std::vector<std::string> known = tables;
-  const std::vector<std::string> compounds = CompositionNames();
+  const std::vector<std::string> compounds = CompositionNames(name);
   known.insert(known.end(), compounds.begin(), compounds.end());
   throw InputError("unknown attenuation '" + name + "'; " +
     (SpellingSuggestions(name, known).empty() ? SpellingHint(name, tables) +

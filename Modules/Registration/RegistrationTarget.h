@@ -104,6 +104,9 @@ MAMMORAYREGISTRATION_EXPORT RegistrationTarget PrepareTarget(const Mammogram& ma
 MAMMORAYREGISTRATION_EXPORT void ExcludePixels(const std::vector<unsigned char>& mask,
   RegistrationTarget& target);
 
+/// The fewest pixels of a picture, in the search's pixel sizes, that are compared.
+inline constexpr std::size_t FewestComparedPixels = 10;
+
 /// True if a pixel is left out of the comparison of pictures.
 inline bool IsExcluded(const RegistrationTarget& target, std::size_t pixel)
 {

@@ -15,8 +15,11 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace mammoray
 {
@@ -29,6 +32,11 @@ constexpr std::size_t MostLetters = 200;
 
 /// Mass fraction by atomic number.
 using MassFractions = std::map<int, double>;
+
+bool IsSymbol(const std::string& text)
+{
+  return SymbolToAtomicNumber(text.c_str(), nullptr) > 0;
+}
 
 /// Heavier elements than lead and bismuth, which no part is made of, are not taken for a mistake.
 constexpr int HeaviestUsual = 83;
@@ -260,8 +268,7 @@ CompositionParts Parse(const std::string& text)
   }
   // Names come before formulas, since PVC is none of phosphorus, vanadium and carbon; elements come
   // before names, which count in any case: Pa is no polyamide.
-  const bool isElement = SymbolToAtomicNumber(text.c_str(), nullptr) > 0;
-  const NamedMaterial* const named = isElement ? nullptr : FindNamedMaterial(text);
+  const NamedMaterial* const named = IsSymbol(text) ? nullptr : FindNamedMaterial(text);
   if (named && named->Composition != text)
   {
     found = Parse(named->Composition);
@@ -276,18 +283,73 @@ CompositionParts Parse(const std::string& text)
   return found;
 }
 
+/// The symbol or the formula that a text is but for capitals: "Fe" of "FE" and "fe", "CaCO3" of
+/// "CACO3", with as few symbols of two letters as possible. Empty if it is none, and of words such
+/// as BRASS: more than two symbols without a number.
+std::string WithSmallLetters(const std::string& text)
+{
+  const auto cased = [&text](std::size_t at, std::size_t count)
+  {
+    std::string symbol = text.substr(at, count);
+    std::transform(symbol.begin(), symbol.end(), symbol.begin(),
+      [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    symbol[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(symbol[0])));
+    return symbol;
+  };
+  if ((text.size() == 1 || text.size() == 2) && IsSymbol(cased(0, text.size())))
+  {
+    return cased(0, text.size());
+  }
+  const auto isOther = [](unsigned char letter)
+  { return std::isdigit(letter) != 0 || letter == '.' || letter == '(' || letter == ')'; };
+  if (text.size() > MostLetters ||
+    !std::all_of(text.begin(), text.end(),
+      [&](unsigned char letter) { return isOther(letter) || std::isupper(letter) != 0; }))
+  {
+    return {};
+  }
+  // From the end: the best way to read what begins at each letter, with its pairs.
+  std::vector<std::optional<std::pair<int, std::string>>> best(text.size() + 1);
+  best[text.size()].emplace();
+  for (std::size_t at = text.size(); at-- > 0;)
+  {
+    for (const std::size_t count : { 1U, 2U })
+    {
+      const auto& rest = best[std::min(at + count, text.size())];
+      const std::string symbol = cased(at, count);
+      const bool isPart =
+        symbol.size() == count && (IsSymbol(symbol) || (count == 1 && isOther(symbol[0])));
+      const int pairs = rest ? rest->first + static_cast<int>(count) - 1 : 0;
+      if (isPart && rest && (!best[at] || pairs < best[at]->first))
+      {
+        best[at].emplace(pairs, symbol + rest->second);
+      }
+    }
+  }
+  const std::string formula = best[0] ? best[0]->second : "";
+  const auto symbols = std::count_if(formula.begin(), formula.end(),
+    [](unsigned char letter) { return std::isupper(letter) != 0; });
+  const bool hasNumber = formula.find_first_of("0123456789") != std::string::npos;
+  return symbols > 0 && (symbols <= 2 || hasNumber) ? formula : "";
+}
+
 InputError NoComposition(const std::string& text, const std::string& who)
 {
-  const std::vector<std::string> near = SpellingSuggestions(text, CompositionNames());
+  const std::vector<std::string> near = SpellingSuggestions(text, CompositionNames(text));
   return InputError(who +
     ": expected an element, a formula, mass fractions or a NIST compound, found '" + text + "'" +
     (near.empty() ? "" : "; " + SpellingHint(text, near)));
 }
 }
 
-std::vector<std::string> CompositionNames()
+std::vector<std::string> CompositionNames(const std::string& unknown)
 {
-  return NamesOfMaterials();
+  std::vector<std::string> names = NamesOfMaterials();
+  if (std::string formula = WithSmallLetters(unknown); !formula.empty())
+  {
+    names.push_back(std::move(formula));
+  }
+  return names;
 }
 
 CompositionParts ParseComposition(const std::string& text, const std::string& who)

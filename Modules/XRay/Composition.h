@@ -11,9 +11,10 @@
 
 namespace mammoray
 {
-/// Names that are known: of the compounds that NIST lists ("Water, Liquid", "Blood (ICRP)"), of
-/// elements, and common ones ("PMMA").
-MAMMORAYXRAY_EXPORT std::vector<std::string> CompositionNames();
+/// Names to suggest in place of an unknown one: of the compounds that NIST lists ("Water, Liquid",
+/// "Blood (ICRP)"), of elements, common ones ("PMMA"), and the symbol or formula that the unknown
+/// one is but for capitals ("Al" of "AL", "Al2O3" of "AL2O3").
+MAMMORAYXRAY_EXPORT std::vector<std::string> CompositionNames(const std::string& unknown);
 
 /**
  * Attenuation of a composition, from xraylib's cross sections (photoelectric, Rayleigh, Compton;

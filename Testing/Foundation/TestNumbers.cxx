@@ -6,6 +6,9 @@
 #include <clocale>
 #include <cmath>
 #include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
 
 using namespace mammoray;
 
@@ -59,4 +62,21 @@ TEST(Numbers, HavePointsWhateverTheLocale)
     }
   }
   std::setlocale(LC_NUMERIC, before.c_str());
+}
+
+TEST(Numbers, LinesEndAsTheyDoOnAnySystem)
+{
+  for (const std::string end : { "\n", "\r\n", "\r" })
+  {
+    for (const bool isEnded : { true, false })
+    {
+      std::istringstream text("a" + end + end + "b c" + (isEnded ? end : ""));
+      std::vector<std::string> lines;
+      for (std::string line; ReadLine(text, line);)
+      {
+        lines.push_back(line);
+      }
+      EXPECT_EQ(lines, (std::vector<std::string>{ "a", "", "b c" }));
+    }
+  }
 }

@@ -30,6 +30,21 @@ TEST(AttenuationTableIO, ColumnsAreFoundByNameAndTurnedIntoKeVAndMillimetres)
   EXPECT_THAT(table.MuPerMm, testing::ElementsAre(0.2, 0.1));
 }
 
+TEST(AttenuationTableIO, LinesEndAsTheyDoOnAnySystem)
+{
+  TemporaryFolder folder;
+  for (const std::string end : { "\n", "\r\n", "\r" })
+  {
+    const AttenuationTable table = ReadAttenuationTable(folder.Write("a.csv",
+      "# nominal density 0.92 g/cm3" + end + end + "energy_eV,mu_total_per_cm" + end + "1e4,2" +
+        end + "2e4,1"));
+    EXPECT_THAT(table.EnergiesKeV, testing::ElementsAre(10, 20));
+    folder.Write("a.csv",
+      "# nominal density 1 g/cm3" + end + "energy_eV,mu_total_per_cm" + end + "1e4,oops" + end);
+    EXPECT_THAT(TableRefusal(folder.File("a.csv")), testing::HasSubstr("line 3"));
+  }
+}
+
 TEST(AttenuationTableIO, DamagedFilesAreRefusedByLine)
 {
   TemporaryFolder folder;

@@ -578,6 +578,11 @@ TEST(LabelVolumeIO, LabelDescriptionsOfItkSnapComeBack)
     "    7     0  255    0     0.50  1  0    \"Label 7\"\r\n");
   EXPECT_THAT(ReadLabelFile(folder.File("a.nii.gz")).Names,
     testing::ElementsAre(testing::Pair(1, "skin"), testing::Pair(7, "Label 7")));
+  folder.Write("a.txt",
+    "# ITK-SnAP Label Description File\r    1 9 9 9 1 1 1 \"fat\"\r\r"
+    "    2 9 9 9 1 1 1 \"gland\"");
+  EXPECT_THAT(ReadLabelFile(folder.File("a.nii.gz")).Names,
+    testing::ElementsAre(testing::Pair(1, "fat"), testing::Pair(2, "gland")));
   // Another text is none of its business.
   folder.Write("a.txt", "1 how this was made\n");
   EXPECT_THAT(ReadLabelFile(folder.File("a.nii.gz")).Names, testing::IsEmpty());

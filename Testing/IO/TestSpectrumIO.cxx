@@ -61,6 +61,7 @@ TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
     "\xef\xbb\xbf"
     "E / keV;N;centre\r\n10,0;5,0\r\n11,0;7,0\r\n12,0;1,0\r\n",
     "# energies in keV, centres of bins\n10 5\n11\t7 // the line\n\n 12.0  1e0\n",
+    "keV, centre\r10 5\r\r11 7\r12 1\r", // an old Macintosh's, and some spreadsheets'
     "28 kVp W\n50\nE(MeV) at centre\tfluence\n0.010\t5\n0.011\t7\n0.012\t1\n",
     "centre_eV,N\n\"10000\",\"5\"\n\"11000\",\"7\"\n\"12000\",\"1\"\n",
     "keV centre\n12 1\n11 7\n10 5\n", "keV centre\n10,0 5,0\n11,0 7,0\n12,0 1,0\n",

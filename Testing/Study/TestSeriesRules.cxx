@@ -78,6 +78,7 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
       "T1 P\xd3S CONTRASTE", "T1 ap\xc3\xb3s contraste", "T1 c/ contraste",
       "T1 despu\xc3\xa9s de gadolinio", "T1 tras contraste", "T1 con CIV", "T1 contrastado",
       "AX T1 FS INJECTE 2", "T1 apr\xc3\xa8s gado", "T1 nach Gabe KM", "t1 nach Kontrast",
+      "T1 post-op +C", "T1 pre-op post gad", "T1 post THRIVE", "T1 post 2", "T1 post RT",
       "T1 ax SPAIR na contrast", "T1 na gadolinium", "T1 met contrast", "T1 na gd",
       // In UTF-8 and in Latin 1, both cases.
       "T1 apr\xc3\xa8s injection", "T1 APR\xc3\x88S INJECTION", "T1 apr\xe8s inj",
@@ -86,7 +87,12 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
     EXPECT_EQ(PhaseByWords(description), ContrastPhase::After) << description;
   }
   for (const char* description :
-    { "T1", "t1 tra", "t1_fl3d_tra_spair", "T1 spatial sat", "T1 pre and post", "T1 spread" })
+    { "T1", "t1 tra", "t1_fl3d_tra_spair", "T1 spatial sat", "T1 pre and post", "T1 spread",
+      // Something else than contrast is before or after.
+      "T1 post-op", "T1 POSTOP", "T1 postoperative", "T1 post op sag", "T1 post biopsy",
+      "T1 post-chemo", "T1 post NAC", "T1 posterior", "T1 post-radiotherapy", "T1 postoperativ",
+      "T1 post-quir\xc3\xbargico", "T1 post intervento", "T1 pre-op", "T1 preop", "T1 pre chemo",
+      "T1 prechemo" })
   {
     EXPECT_EQ(PhaseByWords(description), ContrastPhase::Unknown) << description;
   }

@@ -163,6 +163,16 @@ TEST(Composition, UnknownNamesAreRefusedWithNearOnes)
 {
   ExpectRefused("adipos", "did you mean adipose");
   ExpectRefused("Watr, Liquid", "Water, Liquid");
+  ExpectRefused("AL", "did you mean Al?");
+  ExpectRefused("FE", "did you mean Fe?");
+  ExpectRefused("zr", "did you mean Zr");
+  ExpectRefused("AL2O3", "Al2O3");
+  ExpectRefused("CACO3", "CaCO3");
+  ExpectRefused("NACL", "NaCl");
+  EXPECT_THAT(RefusalOf([] { FindAttenuationTable("BRASS"); }),
+    testing::Not(testing::HasSubstr("BrAsS")));
+  EXPECT_THAT(RefusalOf([] { RequireComposition("MG", "--surface"); }),
+    testing::HasSubstr("did you mean Mg?"));
   ExpectRefused("xyzzy", "known are adipose, air, blood");
   ExpectRefused("H:0.5 O:0.4", "a sum of 0.9");
   ExpectRefused("H:0.5 Qq:0.5", "'Qq:0.5'");

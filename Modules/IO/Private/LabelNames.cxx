@@ -72,10 +72,10 @@ std::map<int, std::string> ReadLabelDescription(const std::string& path)
   std::map<int, std::string> names;
   std::ifstream file = OpenText(path);
   std::size_t number = 0;
-  for (std::string line; std::getline(file, line);)
+  for (std::string line; ReadLine(file, line);)
   {
     ++number;
-    const auto first = line.find_first_not_of(" \t\r");
+    const auto first = line.find_first_not_of(" \t");
     if (first == std::string::npos || line[first] == '#')
     {
       continue;

@@ -66,10 +66,11 @@ void PictureResiduals::ChoosePixels()
       this->Pixels.push_back(pixel);
     }
   }
-  if (this->Pixels.size() < 10)
+  if (this->Pixels.size() < FewestComparedPixels)
   {
     throw InputError("mammogram: only " + std::to_string(this->Pixels.size()) +
-      " pixels of the compared size lie inside the breast, expected at least 10");
+      " pixels of the compared size lie inside the breast, expected at least " +
+      std::to_string(FewestComparedPixels));
   }
   this->Features = std::make_shared<const PictureFeatures>(this->Options.Comparison,
     this->Target.Grid, this->Pixels, this->Options.WindowMm);

@@ -174,10 +174,9 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
 void CheckMask(const std::string& path, const std::vector<RegistrationTarget>& levels,
   double marginMm)
 {
-  constexpr std::ptrdiff_t fewest = 10; // as the search needs
   for (const RegistrationTarget& level : levels)
   {
-    std::ptrdiff_t left = 0;
+    std::size_t left = 0;
     for (std::size_t pixel = 0; pixel < level.BreastMask.size(); ++pixel)
     {
       left += level.BreastMask[pixel] != 0 && level.SignedDistanceMm[pixel] < -marginMm &&
@@ -185,7 +184,7 @@ void CheckMask(const std::string& path, const std::vector<RegistrationTarget>& l
         ? 1
         : 0;
     }
-    if (left < fewest)
+    if (left < FewestComparedPixels)
     {
       throw InputError(path +
         ": expected a mask that is 0 where the breast is compared, found one that leaves out all " +

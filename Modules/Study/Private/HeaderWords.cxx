@@ -128,7 +128,8 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
       "dyn\\w*",
       "cVIBE, VIBRANT-XV, eTHRIVE, flash3d, fl3d_tra, LAVA, BLISS, FSPGR, Dynamic" },
 
-    { M::BeforeContrast, "", "pre ?<agent>|pre ?[cg]\\w*", "T1 pre mdc, t1_pre_gd" },
+    { M::BeforeContrast, "", "pre ?<agent>|pre(?! ?<treatment>) ?[cg]\\w*",
+      "T1 pre mdc, t1_pre_gd" },
     { M::BeforeContrast, "de", "nativ|(?:ohne|vor) ?<agent>", "T1 nativ, t1 ohne Kontrastmittel" },
     { M::BeforeContrast, "fr", "nati[fv]\\w*|(?:sans|avant|non) ?<agent>",
       "T1 native, T1 avant injection de gadolinium" },
@@ -140,10 +141,11 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
     { M::BeforeContrast, "pt", "sem ?<agent>|s contrast\\w*", "T1 sem contraste, T1 S/ CONTRASTE" },
     { M::BeforeContrast, "nl", "blanco|(?:zonder|voor) ?<agent>", "T1 blanco, T1 zonder contrast" },
     { M::BeforeContrast, "sv", "ut[ae]n ?<agent>", "T1 utan kontrast" },
-    { M::BeforeContrast, "", "pre|nonc|mask", "T1 pre, T1 NonC, VIBRANT MASK" },
+    { M::BeforeContrast, "", "pre(?! ?<treatment>)|nonc|mask", "T1 pre, T1 NonC, VIBRANT MASK" },
 
     { M::AfterContrast, "",
-      "post\\w*|gad\\w*|gd|mdc|civ|\\+ ?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
+      "post(?! ?<treatment>|erior)\\w*|gad\\w*|gd|mdc|civ|\\+ "
+      "?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
       "T1 postgad, T1 Gadovist, T1 Gd, T1 mdc, T1 CIV, T1 +C, T1 C+, T1 Dotarem, T1 Magnevist, "
       "T1 ProHance, T1 MultiHance" },
     { M::AfterContrast, "de", "(?:mit|nach) ?<agent>|km|kontrast\\w*|spae?t(?:e\\w*|phase\\w*)?",
@@ -192,6 +194,13 @@ std::string PatternOf(const HeaderVocabularyRow& row)
   const std::string between = "(?:(?:iv|ev|an?|da|de|del|della|dell|dem|der|di|do|du|el|het|il|la|"
                               "le|l|o|of|the|agent|med[iz]o|meio|mezzo|produit) )*";
   Replace(pattern, "<agent>", between + agent + "(?: " + between + agent + ")*");
+  // "post-op", "prechemo", "post radiotherapy": before or after something else than contrast.
+  Replace(pattern, "<treatment>",
+    "(?:op(?:s|er\\w*)?(?= "
+    "|$)|surg|chir|quir|cirug|intervent|biop|bx|mastec|lump|quadran|chemo|chim|"
+    "quim|nact?(?= |$)|neoadj|treat|tratt?am|tto(?= "
+    "|$)|tx|therap|terap|radiot|radiat|radiac|proces|"
+    "menop|partum)");
   return pattern;
 }
 
