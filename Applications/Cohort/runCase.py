@@ -26,12 +26,13 @@ def call(log, *words):
     return child.returncode, output, lines[-1].removeprefix("mammoray: ") if lines else ""
 
 
-def trusts(result):
-    """Level by view, and the seconds of the search."""
+def figures(result):
+    """Level by view, the seconds of the search, and what readers noted of the files."""
     told = json.loads((result / "result.json").read_text())
     if told["format"] == "mammoray-joint-registration-result":
-        return {m["view"]: m["trust"] for m in told["mammograms"]}, told["seconds"]
-    return {told["mammogram"]["view"]: told["trust"]["level"]}, told["seconds"]
+        _, _, notes = figures(result / told["mammograms"][0]["folder"])
+        return {m["view"]: m["trust"] for m in told["mammograms"]}, told["seconds"], notes
+    return {told["mammogram"]["view"]: told["trust"]["level"]}, told["seconds"], told.get("notes", [])
 
 
 def errors_of(text):
@@ -45,7 +46,7 @@ def run(program, name, row, base, record):
     result = pathlib.Path("results") / name
     pathlib.Path("results").mkdir(exist_ok=True)
     begin = time.time()
-    kept = {"case": name, "study": row["study"], "side": row["side"], "state": "done", "why": "", "trust": {}, "errorMm": {}}
+    kept = {"case": name, "study": row["study"], "side": row["side"], "state": "done", "why": "", "trust": {}, "errorMm": {}, "notes": []}
     with open(f"logs/{name}.log", "a") as log:
         if not (result / "result.json").exists():
             words = [program, "register", "--study", str(base / row["study"]), "--side", row["side"], "--output", str(result)]
@@ -55,7 +56,7 @@ def run(program, name, row, base, record):
             if status == 1:
                 kept.update(state="refused", why=why)
         if kept["state"] == "done":
-            kept["trust"], kept["searchSeconds"] = trusts(result)
+            kept["trust"], kept["searchSeconds"], kept["notes"] = figures(result)
             if row.get("truth"):
                 status, output, why = call(log, program, "evaluate", "--truth", str(base / row["truth"]), "--result", str(result))
                 if status != 0:

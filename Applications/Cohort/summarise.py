@@ -24,10 +24,11 @@ def rows_of(case):
     for view in case["trust"] or {"": ""}:
         median, most = case["errorMm"].get(view, ("", ""))
         yield [case["case"], case["study"], case["side"], case["state"], view, case["trust"].get(view, ""), median, most,
-               case["seconds"], case["cpuSeconds"], case["memoryMiB"], case["why"]]
+               case["seconds"], case["cpuSeconds"], case["memoryMiB"],
+               "; ".join([case["why"]] * bool(case["why"]) + case.get("notes", []))]
 
 
-HEADER = ["case", "study", "side", "state", "view", "trust", "error median mm", "error 95 % mm", "s", "CPU s", "MiB", "why"]
+HEADER = ["case", "study", "side", "state", "view", "trust", "error median mm", "error 95 % mm", "s", "CPU s", "MiB", "why, notes"]
 
 
 def facts(cases):

@@ -87,7 +87,7 @@ int HalfOfFractions(DcmDataset& data, int largest, const std::string& path)
     {
       throw InputError(path + ": expected fractions of segments, but " + found);
     }
-    Note(path + ": " + found);
+    Note({ path, found });
   }
   return (most + 1) / 2;
 }
@@ -194,12 +194,13 @@ void NoteFaintSegments(const std::map<int, int>& largest, const SegmentedSlices&
     const auto named = std::find(segments.Numbers.begin(), segments.Numbers.end(), number);
     if (value > 0 && value < half)
     {
-      Note(path + ": segment " + std::to_string(number) +
-        (named == segments.Numbers.end() ? ""
-                                         : " '" +
-              segments.Names[static_cast<std::size_t>(named - segments.Numbers.begin())] + "'") +
-        ": no fraction reaches half of " + std::to_string(most) + ", the largest is " +
-        std::to_string(value) + ": nothing is inside");
+      Note({ path,
+        "no fraction of segment " + std::to_string(number) + " reaches half of " +
+          std::to_string(most) + ", the largest is " + std::to_string(value) +
+          ": nothing is inside",
+        named == segments.Numbers.end() ? ""
+                                        : " (of '" +
+            segments.Names[static_cast<std::size_t>(named - segments.Numbers.begin())] + "')" });
     }
   }
 }

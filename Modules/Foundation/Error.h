@@ -80,25 +80,47 @@ private:
   RefusedField Refused;
 };
 
-/// Says a line about an input that is read although two of its statements contradict each other or
-/// something in it is left out: what was found, and what is taken. The innermost NoteKeeper of this
-/// thread keeps it; without one it is a warning on standard error, once.
-MAMMORAYFOUNDATION_EXPORT void Note(const std::string& line);
+/// A line about an input that is read although two of its statements contradict each other or
+/// something in it is left out.
+struct InputNote
+{
+  /// The input, a path or a name.
+  std::string File;
+  /// What was found, and what is taken. It holds nothing that somebody wrote, such as a name.
+  std::string Text;
+  /// Further words, which follow the text and may hold names out of the file. Mostly empty.
+  std::string Names;
+
+  std::string Line() const { return this->File + ": " + this->Text + this->Names; }
+};
+
+/// Says a note, control characters escaped. The innermost NoteKeeper of this thread keeps it;
+/// without one it is a warning on standard error, once.
+MAMMORAYFOUNDATION_EXPORT void Note(const InputNote& note);
 
 /// Keeps the notes of its thread from its construction to its end.
 class MAMMORAYFOUNDATION_EXPORT NoteKeeper
 {
 public:
-  NoteKeeper();
+  enum class Others
+  {
+    Silent,
+    /// Notes are kept and also said as they would be without this keeper.
+    Told
+  };
+  explicit NoteKeeper(Others others = Others::Silent);
   ~NoteKeeper();
   NoteKeeper(const NoteKeeper&) = delete;
   NoteKeeper& operator=(const NoteKeeper&) = delete;
 
-  /// In the order in which they were said, control characters escaped.
-  std::vector<std::string> Lines;
+  /// In the order in which they were said.
+  std::vector<InputNote> Notes;
+  std::vector<std::string> Lines() const;
 
 private:
-  NoteKeeper* Outer;
+  friend void Note(const InputNote& note);
+  const bool PassesOn;
+  NoteKeeper* const Outer;
 };
 
 /// A computation did not reach a state within its limits (Newton steps, inverted cells).

@@ -43,28 +43,31 @@ std::size_t ShownBytes(const std::string& text, std::size_t at)
 thread_local NoteKeeper* Innermost = nullptr;
 }
 
-void Note(const std::string& line)
+void Note(const InputNote& note)
 {
-  const std::string shown = EscapeControls(line);
-  if (Innermost)
+  const InputNote shown{ EscapeControls(note.File), EscapeControls(note.Text),
+    EscapeControls(note.Names) };
+  for (NoteKeeper* keeper = Innermost; keeper; keeper = keeper->Outer)
   {
-    Innermost->Lines.push_back(shown);
-  }
-  else
-  {
-    // Files are read more than once, a spectrum for each picture.
-    static std::mutex access;
-    static std::set<std::string> said;
-    const std::lock_guard<std::mutex> alone(access);
-    if (said.insert(shown).second)
+    keeper->Notes.push_back(shown);
+    if (!keeper->PassesOn)
     {
-      std::fprintf(stderr, "warning: %s\n", shown.c_str());
+      return;
     }
+  }
+  // Files are read more than once, a spectrum for each picture.
+  static std::mutex access;
+  static std::set<std::string> said;
+  const std::lock_guard<std::mutex> alone(access);
+  if (said.insert(shown.Line()).second)
+  {
+    std::fprintf(stderr, "warning: %s\n", shown.Line().c_str());
   }
 }
 
-NoteKeeper::NoteKeeper()
-  : Outer(Innermost)
+NoteKeeper::NoteKeeper(Others others)
+  : PassesOn(others == Others::Told)
+  , Outer(Innermost)
 {
   Innermost = this;
 }
@@ -72,6 +75,16 @@ NoteKeeper::NoteKeeper()
 NoteKeeper::~NoteKeeper()
 {
   Innermost = this->Outer;
+}
+
+std::vector<std::string> NoteKeeper::Lines() const
+{
+  std::vector<std::string> lines;
+  for (const InputNote& note : this->Notes)
+  {
+    lines.push_back(note.Line());
+  }
+  return lines;
 }
 
 std::string EscapeControls(const std::string& text)

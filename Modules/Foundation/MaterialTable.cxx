@@ -91,8 +91,10 @@ bool CountsNumbersAlone(const MaterialTable& table, const LabelVolume& labels,
   }
   if (isTold)
   {
-    Note(volumeName + ": no name of its labels is one of the material table '" + table.Name +
-      "', so that their numbers count: label " + taken);
+    Note({ volumeName,
+      "no name of its labels is one of the material table '" + table.Name +
+        "', so that their numbers count",
+      ": label " + taken });
   }
   return true;
 }
@@ -232,8 +234,9 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   }
   if (!renumbered.empty())
   {
-    Note(volumeName + ": labels are taken by their names, against the numbers in the table '" +
-      this->Name + "': " + renumbered);
+    Note({ volumeName,
+      "labels are taken by their names, against the numbers in the table '" + this->Name + "'",
+      ": " + renumbered });
   }
   LabelVolume result = labels;
   result.Names.clear();

@@ -28,6 +28,11 @@
 
 namespace mammoray
 {
+static void Exchange(Parcel& parcel, InputNote& note)
+{
+  parcel(note.File, note.Text, note.Names);
+}
+
 namespace
 {
 /// How a reader ended, the first byte of its answer.
@@ -372,7 +377,7 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
   {
     NoteKeeper notes;
     put(parcel, tell);
-    parcel(notes.Lines);
+    parcel(notes.Notes);
   };
   const int status = RunReader(file.get(), what, limits, putAll, heard);
   std::rewind(file.get());
@@ -392,7 +397,7 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
     throw InputError::Restored(reason, field);
   }
   take(parcel);
-  std::vector<std::string> notes;
+  std::vector<InputNote> notes;
   parcel(notes);
   std::for_each(notes.begin(), notes.end(), Note);
 }

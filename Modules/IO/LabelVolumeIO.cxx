@@ -119,8 +119,9 @@ void FlattenLayers(const std::string& path, const std::vector<Segment>& segments
   }
   if (shared > 0)
   {
-    Note(path + ": its segments overlap in " + std::to_string(shared) +
-      " voxels, which are given to the smaller segment");
+    Note({ path,
+      "its segments overlap in " + std::to_string(shared) +
+        " voxels, which are given to the smaller segment" });
   }
 }
 

@@ -299,13 +299,15 @@ vtkSmartPointer<vtkUnstructuredGrid> TetrahedraOf(vtkUnstructuredGrid* grid,
   }
   if (straightened > 0)
   {
-    Note(path + ": " + std::to_string(straightened) +
-      " quadratic tetrahedra are taken with straight edges, by their corners");
+    Note({ path,
+      std::to_string(straightened) +
+        " quadratic tetrahedra are taken with straight edges, by their corners" });
   }
   for (const auto& [type, count] : leftOut)
   {
-    Note(path + ": left out " + std::to_string(count) + " cells that are no volumes (" +
-      NameOfCellType(type) + ")");
+    Note({ path,
+      "left out " + std::to_string(count) + " cells that are no volumes (" + NameOfCellType(type) +
+        ")" });
   }
   return kept;
 }
@@ -415,9 +417,10 @@ void NoteRounding(vtkPolyData* surface, const std::string& path)
   const double rounded = far * std::numeric_limits<float>::epsilon() / 2;
   if (rounded > 1e-6 * wide)
   {
-    Note(path + ": its coordinates are floats up to " + NumberText(far) +
-      " from the origin, rounded by up to " + NumberText(rounded) + ", of a part " +
-      NumberText(wide) + " wide; a part nearer to the origin keeps its shape");
+    Note({ path,
+      "its coordinates are floats up to " + NumberText(far) +
+        " from the origin, rounded by up to " + NumberText(rounded) + ", of a part " +
+        NumberText(wide) + " wide; a part nearer to the origin keeps its shape" });
   }
 }
 

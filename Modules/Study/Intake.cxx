@@ -208,11 +208,12 @@ IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<
     const StudySeries& chosen = VolumeOfNumber(study, *series);
     if (const std::string against = AgainstVolume(chosen); !against.empty())
     {
-      Note(path + ": " + against);
+      Note({ path, "volume " + std::to_string(*series) + " would not have been chosen",
+        ": " + against });
     }
     if (!study.Damaged.empty())
     {
-      Note(DamagedText(study));
+      Note({ path, "some of its files are damaged", ": " + DamagedText(study) });
     }
     return ReadIntensitySlices(chosen.Slices, progress);
   }

@@ -304,6 +304,21 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
   return result.Tissue->Breast;
 }
 
+/// Readers' notes for results, each once: a mammogram is read more than once.
+std::vector<std::string> NotesOf(const std::vector<InputNote>& notes, bool named)
+{
+  std::vector<std::string> lines;
+  for (const InputNote& note : notes)
+  {
+    std::string line = ShownName(note.File, named) + ": " + note.Text;
+    if (std::find(lines.begin(), lines.end(), line) == lines.end())
+    {
+      lines.push_back(std::move(line));
+    }
+  }
+  return lines;
+}
+
 /// What the case says of scatter, for its beam.
 std::optional<ScatterModel> MakeScatter(const RegistrationCase& input, double supportHeightMm)
 {
@@ -339,6 +354,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   // What a study's MRI takes of the time before the rest begins as it does with labels.
   const double segmenting = !input.Study ? 0.0 : input.Labels.Path.empty() ? 0.25 : 0.05;
   RegistrationCaseResult result;
+  const NoteKeeper notes(NoteKeeper::Others::Told);
   Stopwatch stopwatch(result.Timings, "read");
   const ProgressCallback progress =
     [&stopwatch, told = ShareOf(whole, segmenting, 1)](double fraction, const char* stage)
@@ -398,6 +414,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.SimulationCells = problem.Model->NumberOfSimulationCells();
   result.SurfaceTriangles = problem.Model->Surface().NumberOfTriangles();
   Search(input, problem, result, PartOf(progress, 0.25, 1, "register"));
+  result.Notes = NotesOf(notes.Notes, input.NameInputs);
   stopwatch.End();
   return result;
 }

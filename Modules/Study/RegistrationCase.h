@@ -151,6 +151,9 @@ struct RegistrationCaseResult
   /// See RegistrationResult.
   std::vector<FreeParameter> FreeParameters;
   std::vector<double> Covariance;
+  /// What readers noted (InputNote) of the case's inputs, each once: ShownName and text, without
+  /// names out of the files.
+  std::vector<std::string> Notes;
   /// Name of the projecting device, and the method.
   std::string Device;
   std::size_t SimulationCells = 0;

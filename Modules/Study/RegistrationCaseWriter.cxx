@@ -91,6 +91,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Mammogram.Pixels.clear();
   file.ShareExcluded = ShareExcluded(target);
   file.Warnings = registered.Warnings;
+  file.Notes = result.Notes;
   file.Inputs = InputsOf(input, registered.Path);
   file.Spectrum = fs::path(input.Spectrum).has_extension()
     ? ShownName(input.Spectrum, input.NameInputs)

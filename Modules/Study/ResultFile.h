@@ -103,6 +103,8 @@ struct ResultFile : ViewFigures
   /// Share of the breast's pixels that were not compared, [0, 1].
   double ShareExcluded = 0;
   std::vector<std::string> Warnings;
+  /// See RegistrationCaseResult. Empty of results of builds that did not keep them.
+  std::vector<std::string> Notes;
   std::vector<ResultInput> Inputs;
   /// Name of a shipped spectrum, or of another one's file.
   std::string Spectrum;

@@ -257,7 +257,7 @@ TEST(DicomLabels, FractionsNeedTheirMaximum)
   const std::vector<int> ones{ 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
   NoteKeeper notes;
   ReadLabelVolume(folder.Write("seg.dcm", SegmentationFile({ { 0, 2, ones }, { 1, 2, ones } }, 8)));
-  EXPECT_THAT(notes.Lines, testing::ElementsAre(HasSubstr("the largest is 1 (flags in place")));
+  EXPECT_THAT(notes.Lines(), testing::ElementsAre(HasSubstr("the largest is 1 (flags in place")));
   // Bits that are stored as bytes.
   std::string binary = SegmentationFile({ { 0, 2, ones }, { 1, 2, ones } }, 8);
   binary.replace(binary.find(maximum), maximum.size(), "");
@@ -275,9 +275,10 @@ TEST(DicomLabels, SegmentsWithoutAnyFractionOfAHalfAreNoted)
     folder.Write("seg.dcm", SegmentationFile(frames, 8, { "fat", "gland", "skin" })));
   EXPECT_EQ(volume.CountLabels().count(2), 0u);
   // Not of segment 1, which reaches it somewhere, nor of 3, which is empty.
-  EXPECT_THAT(notes.Lines,
-    testing::ElementsAre(
-      HasSubstr("segment 2 'gland': no fraction reaches half of 200, the largest is 80")));
+  EXPECT_THAT(notes.Lines(),
+    testing::ElementsAre(HasSubstr(
+      "no fraction of segment 2 reaches half of 200, the largest is 80: nothing is inside "
+      "(of 'gland')")));
 }
 
 TEST(DicomLabels, FramesOfSegmentsThatAreNotDescribedAreRefused)

@@ -310,9 +310,9 @@ TEST(DicomMammogram, ContradictingViewsAndSidesAreNoted)
     const Mammogram read = ReadMammogram(film.Path);
     EXPECT_EQ(read.View, view);
     EXPECT_EQ(read.Laterality, image[0]);
-    const std::vector<std::string> once = kept.Lines;
+    const std::vector<std::string> once = kept.Lines();
     EXPECT_TRUE(ReadDicomHeader(film.Path)); // says the same
-    EXPECT_EQ(kept.Lines.size(), 2 * once.size());
+    EXPECT_EQ(kept.Lines().size(), 2 * once.size());
     return once;
   };
   EXPECT_THAT(notes("MLO", "R-10226", "L", "L"), ::testing::IsEmpty());

@@ -386,11 +386,19 @@ TEST_F(BreastRegistration, FindsWhatTheCommandFinds)
   input.SimulationMesh = this->Folder.File("simulation.vtu");
   input.Free = { "thickness", "lateral" };
   input.EdgeRadiusMm = MammographyUnit().EdgeRadiusMm;
-  WriteLabelVolume(ToLabelVolume(HalfBall()), input.Labels.Path);
+  LabelVolume labels = ToLabelVolume(HalfBall());
+  labels.Names = { { 1, "Fett" } }; // which the table does not know
+  WriteLabelVolume(labels, input.Labels.Path);
   WriteMesh(mesher->GetOutput(), input.SimulationMesh);
   WriteMammogram(MammogramOf(FromGrid(mesher->GetOutput()), table, 45, axes), {},
     input.Mammograms.front());
   const RegistrationCaseResult result = RunRegistrationCase(input);
+  const std::string note = testing::PrintToString(result.Notes);
+  EXPECT_EQ(result.Notes.size(), 1u) << note;
+  EXPECT_NE(note.find("*.nrrd: no name of its labels is one of the material table"),
+    std::string::npos)
+    << note;
+  EXPECT_EQ(note.find("Fett"), std::string::npos) << note;
   const ViewResult& found = result.Views.front().Registration;
   // The same body but for its skin's facets, and another spectrum.
   EXPECT_NEAR(found.Pose.ThicknessMm, 45, 3 * found.StandardDeviations[ThicknessParameter]);

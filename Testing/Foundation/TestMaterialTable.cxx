@@ -106,7 +106,7 @@ TEST(MaterialTable, NamesOfLabelsDecideWhateverTheirNumbers)
   NoteKeeper notes;
   const LabelVolume materials = TwoTissues().ToMaterials(volume, "v");
   EXPECT_THAT(materials.Voxels, testing::ElementsAre(0, 2, 1, 0));
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre("v: labels are taken by their names, against the numbers in the table "
                          "'two tissues': 1 'Gland' (not fat)"));
   EXPECT_THAT(materials.Names, testing::IsEmpty()); // they were those of the labels
@@ -124,13 +124,13 @@ TEST(MaterialTable, NumbersCountWhereNoNameIsKnown)
   volume.Names = { { 1, "Fett" }, { 29, "Druese" } };
   NoteKeeper notes;
   EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 2));
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre("v: no name of its labels is one of the material table 'two tissues', so "
                          "that their numbers count: label 1 'Fett' is fat, 29 'Druese' is gland"));
-  notes.Lines.clear();
+  notes.Notes.clear();
   volume.Names = { { 1, "Segment_1" }, { 29, "Segment_29" } };
   EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 2));
-  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
 }
 
 TEST(MaterialTable, NamesMadeOfNumbersCountAsThem)

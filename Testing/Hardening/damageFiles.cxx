@@ -90,7 +90,8 @@ bool IsOneLine(const std::string& text)
     outcome = Outcome::OtherError;
   }
   std::fflush(stdout);
-  const bool areLines = std::all_of(notes.Lines.begin(), notes.Lines.end(), IsOneLine);
+  const std::vector<std::string> lines = notes.Lines();
+  const bool areLines = std::all_of(lines.begin(), lines.end(), IsOneLine);
   if ((lseek(said, 0, SEEK_END) > 0 || !areLines) && outcome != Outcome::OtherError)
   {
     outcome = Outcome::Talked;

@@ -89,11 +89,33 @@ TEST(GuardedRead, FieldsAndNotesArriveAsWell)
     EXPECT_TRUE(error.Field().All);
   }
   NoteKeeper notes;
-  EXPECT_EQ(ReadGuarded("a file", "numbers", Small, [] { return Note("odd\n"), 7; }), 7);
-  EXPECT_EQ(notes.Lines, std::vector<std::string>{ "odd\\x0a" });
+  EXPECT_EQ(ReadGuarded("a file", "numbers", Small,
+              [] {
+                return Note({ "a\t", "odd\n", "c" }), 7;
+              }),
+    7);
+  EXPECT_EQ(notes.Lines(), std::vector<std::string>{ "a\\x09: odd\\x0ac" });
   testing::internal::CaptureStderr();
-  std::thread([] { Note("alone"), Note("alone"); }).join();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: alone\n");
+  std::thread(
+    []
+    {
+      Note({ "a", "alone" }), Note({ "a", "alone" });
+      const NoteKeeper silent;
+      const NoteKeeper told(NoteKeeper::Others::Told);
+      Note({ "a", "kept" });
+      EXPECT_EQ(told.Lines(), std::vector<std::string>{ "a: kept" });
+      EXPECT_EQ(silent.Lines(), told.Lines());
+    })
+    .join();
+  std::thread(
+    []
+    {
+      const NoteKeeper told(NoteKeeper::Others::Told);
+      Note({ "a", "told" });
+      EXPECT_EQ(told.Lines(), std::vector<std::string>{ "a: told" });
+    })
+    .join();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: a: alone\nwarning: a: told\n");
 }
 
 TEST(GuardedRead, ALimitOfFileSizesIsCalledOne)

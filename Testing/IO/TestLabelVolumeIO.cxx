@@ -217,22 +217,22 @@ TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
   micro[123] = 3;
   NoteKeeper notes;
   ExpectSame(ReadLabelFile(folder.Write("u.nii", micro)), Oblique());
-  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
   micro[123] = 5;
   EXPECT_THAT(ReadMessage(folder.Write("u.nii", micro)), testing::HasSubstr("found 5"));
   const LabelVolume given = ReadLabelFile(folder.File("s.nii"), VolumeAxes::AsGiven);
   EXPECT_EQ(given.Origin[0], -10.5);
   EXPECT_EQ(given.Origin[2], 30);
   // Neither form: spacing alone, nothing to convert.
-  notes.Lines.clear();
+  notes.Notes.clear();
   const LabelVolume plain = ReadLabelFile(folder.Write("p.nii", ObliqueNifti(false, false)));
   EXPECT_EQ(plain.Direction[0], (Vector3{ 1, 0, 0 }));
   EXPECT_EQ(plain.Spacing, (Vector3{ 0.5, 1.5, 2 }));
   const auto says = testing::AllOf(testing::HasSubstr("qform_code and sform_code are 0"),
     testing::HasSubstr("taken as LPS unless an orientation is set"));
-  EXPECT_THAT(notes.Lines, testing::ElementsAre(says));
+  EXPECT_THAT(notes.Lines(), testing::ElementsAre(says));
   ReadIntensityFile(folder.File("p.nii"));
-  EXPECT_THAT(notes.Lines, testing::ElementsAre(says, says));
+  EXPECT_THAT(notes.Lines(), testing::ElementsAre(says, says));
 }
 
 TEST(LabelVolumeIO, QformsAndSformsThatContradictEachOther)
@@ -241,7 +241,7 @@ TEST(LabelVolumeIO, QformsAndSformsThatContradictEachOther)
   const std::string both = ObliqueNifti(true, true);
   NoteKeeper notes;
   ExpectSame(ReadLabelFile(folder.Write("b.nii", both)), Oblique());
-  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
   // The sform mirrors left and right.
   std::string mirrored = both;
   for (const std::size_t axis : { 0, 1, 2 })
@@ -256,19 +256,19 @@ TEST(LabelVolumeIO, QformsAndSformsThatContradictEachOther)
   std::string moved = both;
   Put<float>(moved, 280 + 12, -20.5f);
   EXPECT_EQ(ReadLabelFile(folder.Write("s.nii", moved)).Origin[0], 20.5);
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre(testing::HasSubstr("its qform places the volume up to 10.000 mm from "
                                             "where its sform does; the sform is taken")));
-  notes.Lines.clear();
+  notes.Notes.clear();
   Put<std::int16_t>(moved, 254, 4);
   EXPECT_EQ(ReadLabelFile(folder.Write("q.nii", moved)).Origin[0], 10.5);
-  EXPECT_THAT(notes.Lines, testing::ElementsAre(testing::HasSubstr("the qform is taken")));
-  notes.Lines.clear();
+  EXPECT_THAT(notes.Lines(), testing::ElementsAre(testing::HasSubstr("the qform is taken")));
+  notes.Notes.clear();
   // Voxels of another size than pixdim says.
   std::string larger = ObliqueNifti(true, false);
   Put<float>(larger, 80, 0.25f);
   EXPECT_NEAR(ReadLabelFile(folder.Write("p.nii", larger)).Spacing[0], 0.5, 1e-6);
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre(testing::HasSubstr("its pixdim says voxels of 0.25 x 1.5 x 2 mm")));
 }
 
@@ -289,7 +289,7 @@ TEST(LabelVolumeIO, SmallShearsAreResampled)
   }
   NoteKeeper notes;
   const LabelVolume volume = ReadLabelFile(folder.Write("s.nii", bytes));
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre(testing::HasSubstr("its axes are up to 5.71 degrees off right angles")));
   // The middle and points beside the leaning edges, LPS: (-(i + 0.1 j), -j, k).
   EXPECT_EQ(volume.LabelAt({ -11, -10, 1 }), 7);
@@ -336,7 +336,7 @@ TEST(LabelVolumeIO, LayersOfSegmentsBecomeOneVolume)
   EXPECT_THAT(volume.Voxels, testing::ElementsAre(1, 2, 3, 2));
   EXPECT_EQ(volume.Names,
     (std::map<int, std::string>{ { 1, "fat" }, { 2, "gland" }, { 3, "cyst" } }));
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre(testing::HasSubstr("its segments overlap in 2 voxels, which are given to "
                                             "the smaller segment")));
   EXPECT_THAT(

@@ -49,7 +49,7 @@ std::string ReadText(const std::string& text, std::vector<std::string>* said = n
   }
   if (said)
   {
-    *said = notes.Lines;
+    *said = notes.Lines();
   }
   return read;
 }

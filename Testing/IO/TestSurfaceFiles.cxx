@@ -225,7 +225,7 @@ protected:
     const NoteKeeper notes;
     Reading reading;
     reading.Surface = ReadSurface(this->Folder.Write(name, bytes));
-    reading.Told = Joined(notes.Lines);
+    reading.Told = Joined(notes.Lines());
     return reading;
   }
   void ExpectVolume(const std::string& name, const std::string& bytes, double volume,
@@ -511,7 +511,7 @@ TEST_F(SurfaceFiles, PhysicalGroupsOfGmshAreMaterials)
   {
     const NoteKeeper notes;
     const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Folder.Write("a.msh", bytes)), &names);
-    return std::pair{ mesh, Joined(notes.Lines) };
+    return std::pair{ mesh, Joined(notes.Lines()) };
   };
   std::vector<std::string> names;
   const std::string side = "1 2 2 7 1 3 13 23\n";
@@ -596,7 +596,7 @@ TEST_F(SurfaceFiles, CellsThatAreNoTetrahedraAreTold)
   {
     const NoteKeeper notes;
     const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Folder.Write("a.vtk", bytes)));
-    return std::pair{ mesh, Joined(notes.Lines) };
+    return std::pair{ mesh, Joined(notes.Lines()) };
   };
   const auto [mixed, told] =
     read(grid("3 0 1 2\n2 0 1\n4 0 1 2 3\n", 3, 12, "5\n3\n10", "7\n8\n9"));

@@ -301,9 +301,9 @@ TEST(Intake, APhaseAfterContrastIsTakenWithAWarning)
     testing::Contains(HasSubstr("although: after contrast (description '+c')")));
   NoteKeeper notes;
   ReadMri(files.File("DICOM"), VolumeAxes::Patient, 1);
-  EXPECT_THAT(notes.Lines, testing::IsEmpty());
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
   ReadMri(files.File("DICOM"), VolumeAxes::Patient, 2);
-  EXPECT_THAT(notes.Lines, ElementsAre(HasSubstr("although: after contrast")));
+  EXPECT_THAT(notes.Lines(), ElementsAre(HasSubstr("although: after contrast")));
 }
 
 TEST(Intake, AVolumeOfAMixedFolderIsChosenByItsNumber)

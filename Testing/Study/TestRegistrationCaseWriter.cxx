@@ -187,6 +187,15 @@ TEST_F(WrittenCase, NamesItsInputsWhereAsked)
   EXPECT_THAT(test::ReadFile(folder + "/report.html"), HasSubstr("mammogram.dcm"));
 }
 
+TEST_F(WrittenCase, KeepsWhatReadersNoted)
+{
+  this->Result.Notes = { "*.nii: its qform is taken" };
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  EXPECT_THAT(ReadResultFile(folder).Notes, ElementsAre("*.nii: its qform is taken"));
+  EXPECT_THAT(test::ReadFile(folder + "/report.html"), HasSubstr("its qform is taken"));
+}
+
 TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
 {
   this->AddMammogram("MLO");

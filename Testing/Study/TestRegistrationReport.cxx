@@ -105,6 +105,7 @@ struct MadeUp
     this->Result.Seconds = 61.2;
     this->Report.Registered = &this->Registered;
     this->Report.File = &this->File;
+    this->File.Notes = { "*.nii: its <sform> & qform" };
     this->File.Versions = { { "Vulkan device", "none, made up" } };
   }
 };
@@ -143,6 +144,7 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
   const std::string html = test::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The two mammograms match"));
   EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
+  EXPECT_THAT(html, HasSubstr("*.nii: its &lt;sform&gt; &amp; qform"));
   EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt<br><code>SHA-256 ba7816bf"));
   EXPECT_THAT(html, HasSubstr("none, made up"));
   EXPECT_THAT(html,

@@ -209,7 +209,7 @@ TEST_F(StudyLabels, OnlyTheCorrectedPartChanges)
   NoteKeeper notes;
   this->ExpectOnlyTheCorrection(
     this->Tissue(this->Write<itk::NrrdImageIO>(image, "corrected.seg.nrrd")));
-  EXPECT_THAT(notes.Lines,
+  EXPECT_THAT(notes.Lines(),
     testing::ElementsAre(HasSubstr("labels are taken by their names, against the numbers in the "
                                    "table 'mammoray segment': 2 'skin' (not gland), 3 'gland' "
                                    "(not skin), 4 'fat' (not chest-wall)")));

@@ -76,6 +76,7 @@ inline ResultFile MakeResultFile()
     .PeakKilovoltage = 28.0 };
   result.ShareExcluded = 0.125;
   result.Warnings = { "Something had to be assumed." };
+  result.Notes = { "*.nii: one of two was taken" };
   result.Inputs = { { MaterialTableRole, "table.json", "12ab" },
     { MammogramRole, "mlo.dcm", "34cd" } };
   result.Spectrum = "W28kVp_Rh50um_Be1mm";

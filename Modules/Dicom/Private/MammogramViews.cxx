@@ -126,9 +126,9 @@ void NoteContradictions(DcmItem& data, const std::string& path)
   if (const MammogramView* const coded = CodedView(data);
       coded && isKnown && position != coded->Name)
   {
-    Note(path + ": its View Position (0018,5101) says " + position +
-      ", its View Code Sequence (0054,0220) " + coded->Name + " (" + coded->Meaning + "); " +
-      position + " is taken");
+    Note({ path,
+      "its View Position (0018,5101) says " + position + ", its View Code Sequence (0054,0220) " +
+        coded->Name + " (" + coded->Meaning + "); " + position + " is taken" });
   }
   std::string taken;
   std::string from;
@@ -141,8 +141,9 @@ void NoteContradictions(DcmItem& data, const std::string& path)
     }
     if (!taken.empty() && value != taken)
     {
-      Note(path + ": its " + from + " says " + taken + ", its " + name + " " + value + "; " +
-        taken + " is taken");
+      Note({ path,
+        "its " + from + " says " + taken + ", its " + name + " " + value + "; " + taken +
+          " is taken" });
     }
     from = taken.empty() ? name : from;
     taken = taken.empty() ? value : taken;

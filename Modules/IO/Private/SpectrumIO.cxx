@@ -445,9 +445,9 @@ Spectrum ReadSpectrum(const std::string& path)
     ToKeV(table, spectrum, inferred);
     if (!inferred.empty())
     {
-      Note(path + ": takes " + inferred +
-        "; a header line that names the unit (eV, keV, MeV) and "
-        "'centre' or 'edge' settles it");
+      Note({ path,
+        "takes " + inferred +
+          "; a header line that names the unit (eV, keV, MeV) and 'centre' or 'edge' settles it" });
     }
   }
   spectrum.Name = std::filesystem::path(path).stem().string();

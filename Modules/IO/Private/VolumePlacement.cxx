@@ -143,8 +143,9 @@ void Compare(const std::string& path, const Placement& taken, const Placement& o
   const double apart = LargestDistance(taken, other, size);
   if (apart > 0.5 * taken.SmallestStep())
   {
-    Note(path + ": its " + otherName + " places the volume up to " + NumberText(apart, 3) +
-      " mm from where its " + name + " does; the " + name + " is taken");
+    Note({ path,
+      std::string("its ") + otherName + " places the volume up to " + NumberText(apart, 3) +
+        " mm from where its " + name + " does; the " + name + " is taken" });
   }
 }
 
@@ -219,8 +220,9 @@ void StraightenBy(const std::string& path, Volume& volume, const ValueAt& valueA
   {
     return;
   }
-  Note(path + ": its axes are up to " + NumberText(std::asin(cosine) * 180 / std::numbers::pi, 2) +
-    " degrees off right angles; resampled to axes at right angles");
+  Note({ path,
+    "its axes are up to " + NumberText(std::asin(cosine) * 180 / std::numbers::pi, 2) +
+      " degrees off right angles; resampled to axes at right angles" });
   // Its indices as places, which ValueAt and LabelAt interpolate between.
   const VolumeGrid sheared = volume;
   Volume indexed = std::move(volume);
@@ -287,9 +289,9 @@ void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, Volu
   const bool takesSform = sform && (!qform || (isUsable && header.At<std::int16_t>(254) == 1));
   if (!sform && !qform)
   {
-    Note(path +
-      ": its qform_code and sform_code are 0 (Analyze, MATLAB): it does not say where the "
-      "patient's left, back and head are; its axes are taken as LPS unless an orientation is set");
+    Note({ path,
+      "its qform_code and sform_code are 0 (Analyze, MATLAB): it does not say where the patient's "
+      "left, back and head are; its axes are taken as LPS unless an orientation is set" });
     return;
   }
   Placement taken = takesSform ? *sform : *qform;
@@ -304,8 +306,9 @@ void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, Volu
     std::abs(size[1] - said[1]) > 0.01 * size[1] || std::abs(size[2] - said[2]) > 0.01 * size[2];
   if (takesSform && !qform && isOther)
   {
-    Note(path + ": its pixdim says voxels of " + SizeText(said) + ", its sform " + SizeText(size) +
-      "; those of the sform are taken");
+    Note({ path,
+      "its pixdim says voxels of " + SizeText(said) + ", its sform " + SizeText(size) +
+        "; those of the sform are taken" });
   }
   // From NIfTI's RAS to LPS.
   Placement byItk{ grid.Direction, grid.Origin };

@@ -307,6 +307,11 @@ std::string MammogramHtml(const RegistrationReport& report, const ReportPictures
     html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" +
       Sentences(report.Registered->Warnings) + "</section>\n";
   }
+  if (!report.File->Notes.empty())
+  {
+    html += "<section class=\"notes\">\n<h2>What was noted of the files</h2>\n" +
+      Sentences(report.File->Notes) + "</section>\n";
+  }
   return html + SectionsHtml(report.Sections) + SourcesHtml(report);
 }
 

@@ -30,6 +30,15 @@ struct OrNull
 template <typename T>
 OrNull(T&) -> OrNull<T>;
 
+/// A list that files of version 5 may lack, empty then.
+template <typename T>
+struct OrAbsent
+{
+  T& Value;
+};
+template <typename T>
+OrAbsent(T&) -> OrAbsent<T>;
+
 /// Names and texts that are one object in the file.
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
@@ -222,6 +231,7 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("mammogram", result.Mammogram);
   fields("shareExcluded", result.ShareExcluded);
   fields("warnings", result.Warnings);
+  fields("notes", OrAbsent{ result.Notes });
   fields("inputs", result.Inputs);
   fields("spectrum", result.Spectrum);
   fields("scatter", result.Scatter);
@@ -316,6 +326,11 @@ private:
   {
     return list.Value.empty() ? Json(nullptr) : Json(list.Value);
   }
+  template <typename T>
+  static Json Make(OrAbsent<T>& list)
+  {
+    return list.Value;
+  }
   static Json Make(NamedTexts& texts)
   {
     Json object = Json::object();
@@ -394,6 +409,15 @@ private:
     this->Check(json && (json->is_null() || json->is_array()), json, field, "a list or null");
     list.Value.clear();
     if (!json->is_null())
+    {
+      this->Read(json, field, list.Value);
+    }
+  }
+  template <typename T>
+  void Read(const Json* json, const std::string& field, OrAbsent<T>& list) const
+  {
+    list.Value.clear();
+    if (json)
     {
       this->Read(json, field, list.Value);
     }
