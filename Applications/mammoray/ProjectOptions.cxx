@@ -171,6 +171,10 @@ Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneDescrip
       throw InputError("--high kvp: expected --tube beside it, found none");
     }
     SetQuantity({ "--high kvp", "beam.tube", { low.Tube.Anode } }, high);
+    if (!high.Has("beam.target-angle"))
+    {
+      high.Tube.TargetAngleDeg = low.Tube.TargetAngleDeg;
+    }
   }
   high.Validate();
   if (!hasOther && !high.Has("beam.tube"))

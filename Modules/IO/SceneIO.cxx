@@ -368,6 +368,10 @@ void SceneDescription::Validate() const
     throw InputError(std::string("beam: expected one of kev, spectrum, and tube with kvp, found ") +
       (beams > 1 ? "several" : "another"));
   }
+  if (has("beam.target-angle") && !hasTube)
+  {
+    throw InputError("beam.target-angle: expected a tube beside it, found none");
+  }
   if (has("source.position") && has("source.beam-direction"))
   {
     throw InputError("source: expected either position or beam-direction, found both");

@@ -10,6 +10,7 @@
 #include <xraylib.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <iterator>
@@ -228,6 +229,22 @@ MassFractions ParseNistName(const std::string& text, double& densityGPerCm3)
   return fractions;
 }
 
+/// The energies just below and above the jump of an element's cross section, keV, which is up to
+/// 1e-4 beside the edge that xraylib states.
+std::array<double, 2> SidesOfEdge(int element, double edge)
+{
+  double below = edge * (1 - 2e-4);
+  double above = edge * (1 + 2e-4);
+  const double middle =
+    std::sqrt(CS_Total(element, below, nullptr) * CS_Total(element, above, nullptr));
+  while (above - below > 1e-9 * edge)
+  {
+    const double half = 0.5 * (below + above);
+    (CS_Total(element, half, nullptr) < middle ? below : above) = half;
+  }
+  return { below, above };
+}
+
 /// A hundred energies per decade, and one on each side of every absorption edge.
 std::vector<double> EnergyGrid(const MassFractions& fractions)
 {
@@ -240,13 +257,14 @@ std::vector<double> EnergyGrid(const MassFractions& fractions)
   energies.insert({ LowestKeV, HighestKeV }); // whatever pow rounds to
   for (const auto& [element, fraction] : fractions)
   {
-    for (const int shell : { K_SHELL, L1_SHELL, L2_SHELL, L3_SHELL, M1_SHELL, M5_SHELL })
+    for (const int shell :
+      { K_SHELL, L1_SHELL, L2_SHELL, L3_SHELL, M1_SHELL, M2_SHELL, M3_SHELL, M4_SHELL, M5_SHELL })
     {
       const double edge = EdgeEnergy(element, shell, nullptr);
       if (edge > LowestKeV * 1.001 && edge < HighestKeV * 0.999)
       {
-        // The cross sections jump up to 1e-4 beside the edge that xraylib states.
-        energies.insert({ edge * (1 - 2e-4), edge * (1 + 2e-4) });
+        const std::array<double, 2> sides = SidesOfEdge(element, edge);
+        energies.insert(sides.begin(), sides.end());
       }
     }
   }

@@ -2,6 +2,7 @@
 #include "mammoray/XRay/Tube.h"
 
 #include "Private/TubeCoefficients.h"
+#include "Private/TungstenTarget.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"
@@ -19,6 +20,17 @@ constexpr double BinKeV = 0.5;
 constexpr double LowestTubeKeV = 5;
 constexpr double LeastKilovolts = 18;
 constexpr double MostKilovolts = 42;
+constexpr double LeastComputedKilovolts = 20;
+constexpr double MostComputedKilovolts = 450;
+constexpr double LeastAngleDeg = 3;
+constexpr double MostAngleDeg = 60;
+constexpr double UsualAngleDeg = 12;
+
+/// Whether the spectrum is computed, not interpolated from measured ones.
+bool IsComputed(const XRayTube& tube)
+{
+  return tube.Anode == "W" && (tube.TargetAngleDeg != 0 || tube.KilovoltagePeak > MostKilovolts);
+}
 
 const TubeAnode& FindAnode(const std::string& name)
 {
@@ -41,6 +53,24 @@ AttenuationTable TableOf(const XRayFilter& layer, const std::string& who)
       NumberText(layer.ThicknessMm) + " mm of " + layer.Material);
   }
   return RequireComposition(layer.Material, who);
+}
+
+Spectrum MeasuredSpectrum(const TubeAnode& anode, double kilovolts)
+{
+  Spectrum spectrum;
+  for (std::size_t bin = 0; bin < anode.Bins->size(); ++bin)
+  {
+    const double energy = anode.FirstKeV + BinKeV * static_cast<double>(bin);
+    if (energy < LowestTubeKeV || energy > kilovolts)
+    {
+      continue;
+    }
+    const TubePolynomial& a = (*anode.Bins)[bin];
+    spectrum.EnergiesKeV.push_back(energy);
+    spectrum.Weights.push_back(
+      std::max(0.0, a[0] + kilovolts * (a[1] + kilovolts * (a[2] + kilovolts * a[3]))));
+  }
+  return spectrum;
 }
 
 /// Air kerma per photon, in any unit.
@@ -68,16 +98,35 @@ XRayFilter XRayFilter::FromText(const std::string& text)
 void XRayTube::Validate() const
 {
   FindAnode(this->Anode);
-  if (!(this->KilovoltagePeak >= LeastKilovolts && this->KilovoltagePeak <= MostKilovolts))
+  if (this->TargetAngleDeg != 0)
   {
-    throw InputError("tube: expected " + NumberText(LeastKilovolts) + " to " +
-      NumberText(MostKilovolts) + " kVp, found " + NumberText(this->KilovoltagePeak));
+    if (this->Anode != "W")
+    {
+      throw InputError("tube: expected a target angle of a tungsten anode only, found " +
+        NumberText(this->TargetAngleDeg) + " degrees of " + this->Anode);
+    }
+    if (!(this->TargetAngleDeg >= LeastAngleDeg && this->TargetAngleDeg <= MostAngleDeg))
+    {
+      throw InputError("tube: expected a target angle of " + NumberText(LeastAngleDeg) + " to " +
+        NumberText(MostAngleDeg) + " degrees, found " + NumberText(this->TargetAngleDeg));
+    }
+  }
+  const double least = this->TargetAngleDeg != 0 ? LeastComputedKilovolts : LeastKilovolts;
+  const double most = this->Anode == "W" ? MostComputedKilovolts : MostKilovolts;
+  if (!(this->KilovoltagePeak >= least && this->KilovoltagePeak <= most))
+  {
+    throw InputError("tube: expected " + NumberText(least) + " to " + NumberText(most) +
+      " kVp of an anode of " + this->Anode + ", found " + NumberText(this->KilovoltagePeak));
   }
 }
 
 std::string XRayTube::Name() const
 {
   std::string name = this->Anode + " " + NumberText(this->KilovoltagePeak) + " kVp";
+  if (this->TargetAngleDeg != 0)
+  {
+    name += ", target at " + NumberText(this->TargetAngleDeg) + " degrees";
+  }
   for (const XRayFilter& filter : this->Filters)
   {
     name += ", " + NumberText(filter.ThicknessMm) + " mm " + filter.Material;
@@ -88,21 +137,10 @@ std::string XRayTube::Name() const
 Spectrum TubeSpectrum(const XRayTube& tube)
 {
   tube.Validate();
-  const TubeAnode& anode = FindAnode(tube.Anode);
-  const double kilovolts = tube.KilovoltagePeak;
-  Spectrum spectrum;
-  for (std::size_t bin = 0; bin < anode.Bins->size(); ++bin)
-  {
-    const double energy = anode.FirstKeV + BinKeV * static_cast<double>(bin);
-    if (energy < LowestTubeKeV || energy > kilovolts)
-    {
-      continue;
-    }
-    const TubePolynomial& a = (*anode.Bins)[bin];
-    spectrum.EnergiesKeV.push_back(energy);
-    spectrum.Weights.push_back(
-      std::max(0.0, a[0] + kilovolts * (a[1] + kilovolts * (a[2] + kilovolts * a[3]))));
-  }
+  Spectrum spectrum = IsComputed(tube)
+    ? TungstenSpectrum(tube.KilovoltagePeak,
+        tube.TargetAngleDeg != 0 ? tube.TargetAngleDeg : UsualAngleDeg)
+    : MeasuredSpectrum(FindAnode(tube.Anode), tube.KilovoltagePeak);
   for (const XRayFilter& filter : tube.Filters)
   {
     spectrum = FilterSpectrum(spectrum, filter);
@@ -139,17 +177,18 @@ DetectorResponse AbsorbingDetector(const XRayFilter& layer)
   return response;
 }
 
-double HalfValueLayerMm(const Spectrum& spectrum)
+double HalfValueLayerMm(const Spectrum& spectrum, const std::string& composition)
 {
   spectrum.Validate();
-  const AttenuationTable aluminium = RequireComposition("Al", "half-value layer");
+  const AttenuationTable table = RequireComposition(composition, "half-value layer");
+  const double density = table.DensityOf(0);
   std::vector<double> kerma;
   std::vector<double> mu;
   double whole = 0;
   for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
   {
     kerma.push_back(spectrum.Weights[bin] * KermaPerPhoton(spectrum.EnergiesKeV[bin]));
-    mu.push_back(aluminium.MuAt(spectrum.EnergiesKeV[bin], aluminium.NominalDensityGPerCm3));
+    mu.push_back(table.MuAt(spectrum.EnergiesKeV[bin], density));
     whole += kerma.back();
   }
   const auto left = [&](double thickness)

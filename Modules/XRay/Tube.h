@@ -24,29 +24,34 @@ struct MAMMORAYXRAY_EXPORT XRayFilter
 };
 
 /**
- * A mammography tube at constant potential, after Boone, Fewell and Jennings (Med. Phys. 24, 1997,
- * 1863): measured spectra of tubes with a beryllium window, interpolated in the voltage; bins of
- * 0.5 keV.
+ * A tube at constant potential. Mammography tubes, 18 to 42 kV: measured spectra behind a beryllium
+ * window, interpolated in the voltage (Boone, Fewell and Jennings, Med. Phys. 24, 1997, 1863), in
+ * bins of 0.5 keV. Tungsten tubes of other voltages or with a target angle, 20 to 450 kV: a
+ * computed spectrum without window (Private/TungstenTarget.h has the formulas and their sources).
  */
 struct MAMMORAYXRAY_EXPORT XRayTube
 {
   /// "W", "Mo" or "Rh".
   std::string Anode = "W";
-  /// kV; 18 to 42.
+  /// kV; 18 to 42, of tungsten to 450.
   double KilovoltagePeak = 28;
-  /// In addition to the window.
+  /// In addition to the window of a measured spectrum.
   std::vector<XRayFilter> Filters;
+  /// Angle between target and central ray, degrees, 3 to 60; of tungsten from 20 kV on. 0: the
+  /// measured spectra up to 42 kV, 12 degrees above.
+  double TargetAngleDeg = 0;
 
-  /// Throws InputError on an unknown anode and a voltage out of range.
+  /// Throws InputError on an unknown anode, and on a voltage or an angle out of range.
   void Validate() const;
   /// "W 28 kVp, 0.05 mm Rh".
   std::string Name() const;
 };
 
 /**
- * The spectrum of a tube, in a unit that is the same for all voltages and filters of an anode.
- * Photons below 5 keV, the least energy of the attenuation tables, are left out: 30 micrometres of
- * molybdenum transmit 1 in 10^7 of them. Throws InputError on an unusable tube or filter.
+ * The spectrum of a tube, in a unit that is the same for all voltages and filters of an anode's
+ * measured spectra; computed ones are photons per mm^2 and mAs at 1 m. Photons below 5 keV, the
+ * least energy of the attenuation tables, are left out: 30 micrometres of molybdenum transmit 1 in
+ * 10^7 of them. Throws InputError on an unusable tube or filter.
  */
 MAMMORAYXRAY_EXPORT Spectrum TubeSpectrum(const XRayTube& tube);
 
@@ -60,11 +65,12 @@ MAMMORAYXRAY_EXPORT Spectrum FilterSpectrum(const Spectrum& spectrum, const XRay
 MAMMORAYXRAY_EXPORT DetectorResponse AbsorbingDetector(const XRayFilter& layer);
 
 /**
- * The first half-value layer, mm of aluminium (2.70 g/cm^3), which halves the air kerma
- * (energy times mass energy-absorption coefficient of air, xraylib). Throws InputError on an
- * unusable spectrum.
+ * The first half-value layer, mm of a composition of its nominal density, which halves the air
+ * kerma (energy times mass energy-absorption coefficient of air, xraylib). Throws InputError on an
+ * unusable spectrum and a composition that is unknown or has no density.
  */
-MAMMORAYXRAY_EXPORT double HalfValueLayerMm(const Spectrum& spectrum);
+MAMMORAYXRAY_EXPORT double HalfValueLayerMm(const Spectrum& spectrum,
+  const std::string& composition = "Al");
 }
 
 #endif

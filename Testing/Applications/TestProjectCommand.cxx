@@ -258,7 +258,14 @@ TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
   this->ExpectRefused(options + " --set source.heel.angle=95",
     "source.heel.angle: expected a number from 0.1");
   EXPECT_EQ(this->Run(options + " --tube Cu"), 2);
-  EXPECT_EQ(this->Run(options + " --tube W --kvp 50"), 2);
+  EXPECT_EQ(this->Run(options + " --tube W --kvp 451"), 2);
+  this->ExpectRefused(options + " --tube Mo --kvp 50", "expected 18 to 42 kVp of an anode of Mo");
+  this->ExpectRefused(options + " --tube Mo --set beam.target-angle=12", "tungsten anode only");
+  this->ExpectRefused(options + " --kev 20 --set beam.target-angle=12",
+    "expected a tube beside it");
+  ASSERT_EQ(this->Run(options + " --tube W --kvp 120 --filter Al:2 --filter Cu:0.1"), 0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("W 120 kVp, 2 mm Al, 0.1 mm Cu, mean "));
 }
 
 TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)

@@ -196,7 +196,9 @@ std::vector<SceneRow> SubjectRows()
 std::vector<SceneRow> BeamRows()
 {
   SceneQuantity tube = Other(Kind::Word, "beam.tube", "",
-    "instead, a tube with this anode\n(and a beryllium window; Boone, Fewell and Jennings 1997)",
+    "instead, a tube with this anode\n(to 42 kV measured spectra behind a beryllium window, Boone, "
+    "Fewell "
+    "and Jennings 1997; tungsten above, and with a target angle, computed without window)",
     Use::Daily);
   tube.Words = { "W", "Mo", "Rh" };
   return {
@@ -210,8 +212,18 @@ std::vector<SceneRow> BeamRows()
       Number("beam.kev", "keV", 1, 500, "a single photon energy instead of a spectrum", Use::Daily),
       MEMBER(EnergyKeV)),
     Row(tube, MEMBER(Tube.Anode)),
-    Row(Number("beam.kvp", "kV", 18, 42, "voltage of the tube", Use::Daily),
+    Row(Number("beam.kvp", "kV", 18, 450, "voltage of the tube; Mo and Rh to 42", Use::Daily),
       MEMBER(Tube.KilovoltagePeak)),
+    MakeRow(
+      Number("beam.target-angle", "deg", 3, 60,
+        "angle between target and central ray of a tungsten tube from 20 kV on\n(default: 12 above "
+        "42 kV)"),
+      [](SceneDescription& scene, const Json& angle) { angle.get_to(scene.Tube.TargetAngleDeg); },
+      [](const SceneDescription& scene)
+      {
+        const double angle = scene.Tube.TargetAngleDeg;
+        return angle != 0 ? Json(angle) : Json();
+      }),
     Row(Other(Kind::Text, "beam.filter", "MATERIAL:MM",
           "a layer that all photons pass, once for each\n(MATERIAL[@DENSITY]:MM of an element, a "
           "formula or a NIST compound, 'Air, Dry (near sea level):600')",
