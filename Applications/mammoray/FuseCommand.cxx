@@ -4,17 +4,18 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/Study/CompressedVolume.h"
+#include "mammoray/Study/Intake.h"
 
 #include "vtkImageData.h"
 #include "vtkPointData.h"
 
 #include <cstdio>
+#include <optional>
 
 namespace mammoray
 {
@@ -24,6 +25,7 @@ struct FuseArguments
 {
   std::string Result;
   std::string Image;
+  std::optional<int> Series;
   double SpacingMm = 1.0;
   std::string Output;
   std::string Projection;
@@ -35,6 +37,7 @@ void Declare(const OptionList& add, FuseArguments& arguments)
 {
   add(Shared::Result, arguments.Result)->required();
   add(Shared::Image, arguments.Image)->required();
+  add(Shared::Series, arguments.Series);
   add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
   add("-o,--output", arguments.Output,
     "the image in the compressed breast (.nrrd .mha .nii.gz), 0 outside");
@@ -73,7 +76,8 @@ void Run(FuseArguments& arguments)
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
-  const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(Program().AxesAsGiven));
+  const IntensityVolume image =
+    ReadMri(arguments.Image, AxesOf(Program().AxesAsGiven), arguments.Series);
   if (!Program().AcceptUnusual)
   {
     CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image);

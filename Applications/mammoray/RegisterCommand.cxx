@@ -40,12 +40,12 @@ struct RegisterArguments
 void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
-  CLI::Option* study = add.Input("--study", arguments.Study,
+  CLI::Option* const study = add.Input("--study", arguments.Study,
     "a clinic's export, in place of labels, materials and mammograms\n(a folder of MRI and "
     "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it; with "
     "--labels these are its tissue, corrected, and nothing is segmented)");
   AddSideOption(add, arguments.Side);
-  add.Expert()(Shared::Series, input.Series)->needs(study);
+  add.Expert()(Shared::Series, input.Series);
   AddLabelOptions(add, input.Labels);
   add(Shared::Materials, input.Materials);
   add(Shared::Orientation, input.Orientation);
@@ -328,6 +328,12 @@ void Run(RegisterArguments& arguments)
   if (!arguments.Study.empty() && !input.Image.empty())
   {
     throw CLI::ExcludesError("--image", "--study");
+  }
+  if (arguments.Study.empty() && !input.Series.empty() &&
+    (input.Image.empty() || input.Series.size() > 1))
+  {
+    throw CLI::ValidationError(
+      "--series: expected a --study or, for one number, an --image beside it");
   }
   SetScatter(arguments);
   CheckNoInputWithin(arguments.Output);

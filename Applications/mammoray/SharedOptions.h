@@ -22,8 +22,8 @@ inline const SharedOption LabelSpacing{ "--label-spacing",
 inline const SharedOption PixelSpacing{ "--pixel-spacing",
   "distance of the picture's pixels at the receptor", Positive("mm") };
 inline const SharedOption Series{ "--series",
-  "the volume to take, by its number in the list of 'mammoray intake'\n(two: without and with fat "
-  "suppression)",
+  "the volume to take, by its number in the list of 'mammoray intake'\n(of segment, intake and "
+  "register two: without and with fat suppression)",
   Between(1, 9999) };
 inline const SharedOption SimulationCellSize{ "--simulation-cell-size",
   "largest cells of the simulation mesh that is made\n(0: by the size of the breast, 3000 to 6000 "

@@ -39,14 +39,15 @@ void DeclareInput(const OptionList& add, ViewArguments& arguments)
   ViewInput& input = arguments.Input;
   const OptionList what = add.OneOf("What to look at, one of");
   what(Shared::Result, input.Result);
-  what(Shared::Mesh, input.Mesh);
-  what.File("--series", input.Series,
-    "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
+  what.File("--mesh", input.Mesh,
+    "tetrahedra (.vtu .vtk .msh), or a series of 'mammoray compress' (.pvd) that the thickness "
+    "slider goes through\n(cell array Material: those of the material table)");
   what(Shared::Surface, arguments.Surfaces.Surfaces);
   what(Shared::Scene, arguments.Surfaces.File);
   AddUnitOption(add, arguments.Surfaces.Unit);
   add(Shared::Mammograms, input.Mammograms);
-  add(Shared::Image, input.Image);
+  CLI::Option* image = add(Shared::Image, input.Image);
+  add(Shared::Series, input.ImageSeries)->needs(image);
   add(Shared::Lesion, input.Lesions);
   add(Shared::Materials, input.Materials);
   add(Shared::Orientation, input.Orientation);

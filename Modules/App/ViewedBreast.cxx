@@ -11,6 +11,7 @@
 #include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 #include "mammoray/Study/ResultFile.h"
 
@@ -183,8 +184,9 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadSeries(const std::string& path, ViewedB
 ViewedBreast ReadMeshes(const ViewInput& input)
 {
   ViewedBreast viewed;
-  const std::string& path = input.Series.empty() ? input.Mesh : input.Series;
-  const auto grid = input.Series.empty() ? ReadMesh(path) : ReadSeries(path, viewed);
+  const std::string& path = input.Mesh;
+  const auto grid =
+    fs::path(path).extension() == ".pvd" ? ReadSeries(path, viewed) : ReadMesh(path);
   if (input.Materials.empty())
   {
     throw InputError(path + ": expected a material table beside a mesh",
@@ -270,7 +272,7 @@ void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
   const std::string image = input.Image.empty() ? BesideResult(input, "mri.nrrd") : input.Image;
   if (!image.empty())
   {
-    viewed.Image = std::make_shared<const IntensityVolume>(ReadIntensityVolume(image, axes));
+    viewed.Image = std::make_shared<const IntensityVolume>(ReadMri(image, axes, input.ImageSeries));
   }
   if (!input.Labels.Path.empty())
   {
@@ -355,7 +357,7 @@ std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input)
   ReadVolumes(input, all.front());
   for (ViewedBreast& viewed : all)
   {
-    viewed.Name = fs::path(input.Result + input.Mesh + input.Series).lexically_normal().string();
+    viewed.Name = fs::path(input.Result + input.Mesh).lexically_normal().string();
     viewed.Image = all.front().Image;
     viewed.Tissue = all.front().Tissue;
     viewed.Lesions = all.front().Lesions;

@@ -27,14 +27,15 @@ namespace mammoray
 struct ViewInput
 {
   /// Folder of 'mammoray register'; or a mesh (.vtu), which may be one that 'mammoray compress'
-  /// wrote; or a series (.pvd) of that command. One of them.
+  /// wrote, or a series (.pvd) of that command. One of them.
   std::string Result;
   std::string Mesh;
-  std::string Series;
   /// DICOM MG, those registered of a result, in any order; empty: none is shown.
   std::vector<std::string> Mammograms;
-  /// MRI in the frame of the mesh (see ReadIntensityVolume); empty: the result's mri.nrrd, if any.
+  /// MRI in the frame of the mesh, and of a folder of several volumes the number (see ReadMri);
+  /// empty: the result's mri.nrrd, if any.
   std::string Image;
+  std::optional<int> ImageSeries;
   /// Label volume of lesions in that frame; empty: none.
   std::string Lesions;
   /// Material table, a path or a shipped one's name; of a result: empty takes the one that it was

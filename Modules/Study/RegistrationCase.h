@@ -46,7 +46,8 @@ struct RegistrationCase
   /// A clinic's export (TakeStudy). Its MRI is segmented, or Labels, if they have a path, are its
   /// tissue (LabelStudy). Null: none.
   std::shared_ptr<const StudyChoice> Study;
-  /// Numbers of the export's volumes to take (ChooseForRegistration); empty: those it chooses.
+  /// Numbers of the export's volumes to take (ChooseForRegistration), or of Image's (ReadMri);
+  /// empty: those that are chosen, or the only one.
   std::vector<int> Series;
   /// By default, finer label volumes are resampled to 0.5 mm.
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };

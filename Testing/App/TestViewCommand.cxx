@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
+#include "MadeUpStudy.h"
 #include "SmallBreast.h"
 #include "SurfaceShapes.h"
 #include "TestResults.h"
 #include "VirtualDisplay.h"
 
+#include "mammoray/Study/CompressionGrids.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPNGReader.h"
@@ -96,6 +99,49 @@ TEST_F(ViewCommand, WritesAScreenshotOfAMesh)
   EXPECT_THAT(this->Output, testing::HasSubstr("pixel (60.0, 80.0): "));
   EXPECT_GT(std::filesystem::file_size(picture), 10000u);
   this->ExpectRefused(this->MeshArguments + " --screenshot " + picture, "exists already");
+}
+
+TEST_F(ViewCommand, TakesOneOfTheVolumesOfAFolderAsFuseDoes)
+{
+  test::MadeUpStudy files;
+  files.AddSlices(test::MadeUpMr("1.2.4", "t1"), 30);
+  files.AddSlices(test::MadeUpMr("1.2.5", "t1_spair"), 50);
+  const std::string folder = files.File("DICOM");
+  const std::string listing =
+    "expected one volume, found 2: 1 't1' (30 slices of 70 x 40), 2 't1_spair' (50 slices of 70 x "
+    "40); set --series";
+  for (const std::string& command :
+    { this->MeshArguments + " --screenshot " + this->Folder.File("a.png"),
+      "fuse --result " + this->WriteResult() + " -o " + this->Folder.File("a.nrrd") })
+  {
+    this->ExpectRefused(command + " --image " + folder, listing);
+    this->ExpectRefused(command + " --image " + folder + " --series 3",
+      "expected a volume from 1 to 2, found 3");
+  }
+  ViewInput input = test::WriteSmallBreast(this->Folder);
+  input.Image = folder;
+  input.ImageSeries = 2;
+  EXPECT_EQ(ReadViewedBreasts(input).front().Image->Size[2], 50);
+}
+
+TEST_F(ViewCommand, TakesASeriesOfCompressAsAMesh)
+{
+  ViewInput input = test::WriteSmallBreast(this->Folder);
+  const auto gridAt = [](double thicknessMm)
+  {
+    auto grid = ToGrid(test::SmallBreastMesh(), { "air", "fat", "wall", "gland" });
+    vtkNew<vtkDoubleArray> thickness;
+    thickness->SetName("ThicknessMm");
+    thickness->InsertNextValue(thicknessMm);
+    grid->GetFieldData()->AddArray(thickness);
+    return grid;
+  };
+  input.Mesh = this->Folder.File("closing.pvd");
+  WriteSeries(input.Mesh, { gridAt(80), gridAt(70), gridAt(60) });
+  const std::vector<CompressionStep> series = ReadViewedBreasts(input).front().Series;
+  ASSERT_EQ(series.size(), 3u);
+  EXPECT_EQ(series[0].ThicknessMm, 80);
+  EXPECT_EQ(series[2].ThicknessMm, 60);
 }
 
 TEST_F(ViewCommand, LocatesInAResult)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/AskedPlaces.h"
 
-#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Meshes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/Study/RegistrationCase.h"
@@ -68,8 +68,9 @@ void ReadAsked(const RegistrationCase& input, RegistrationCaseResult& result)
   }
   if (!input.Image.empty())
   {
-    result.Image = std::make_shared<const IntensityVolume>(
-      ReadIntensityVolume(input.Image, AxesOf(input.Labels.AxesAsGiven)));
+    result.Image =
+      std::make_shared<const IntensityVolume>(ReadMri(input.Image, AxesOf(input.Labels.AxesAsGiven),
+        input.Series.empty() ? std::nullopt : std::optional(input.Series.front())));
   }
 }
 
