@@ -23,7 +23,7 @@ header = f"""NRRD0004
 type: uint8
 dimension: 3
 sizes: {size[0]} {size[1]} {size[2]}
-space dimension: 3
+space: 3D-right-handed
 space directions: ({SPACING},0,0) (0,{SPACING},0) (0,0,{SPACING})
 space origin: ({origin[0]:.4f},{origin[1]:.4f},{origin[2]:.4f})
 kinds: domain domain domain

@@ -36,7 +36,7 @@ header = f"""NRRD0004
 type: uint8
 dimension: 3
 sizes: {nx} {ny} {nz}
-space dimension: 3
+space: 3D-right-handed
 space directions: ({step},0,0) (0,{step},0) (0,0,{step})
 space origin: ({origin[0]:.4f},{origin[1]:.4f},{origin[2]:.4f})
 kinds: domain domain domain

@@ -381,6 +381,18 @@ TEST(LabelVolumeIO, NrrdSpaces)
   }
   EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
   EXPECT_THAT(RefusalOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
+  NoteKeeper notes;
+  originOf("3D-right-handed"); // as our phantoms, whose axes an orientation tells
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
+  const std::string silent = folder.Write("v.nrrd", Nrrd("uint8", "\1\2"));
+  ReadLabelFile(silent, VolumeAxes::AsGiven);
+  EXPECT_THAT(notes.Lines(), testing::IsEmpty());
+  ReadLabelFile(silent);
+  EXPECT_THAT(notes.Lines(),
+    testing::ElementsAre(silent +
+      ": its field 'space' is missing: it does not say where the patient's left, back and head "
+      "are; "
+      "its axes are taken as LPS unless an orientation is set"));
 }
 
 TEST(LabelVolumeIO, EveryScalarTypeAndByteOrder)

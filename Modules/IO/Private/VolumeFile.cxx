@@ -126,6 +126,10 @@ void TurnNrrd(VolumeGrid& grid, const TextHeader& header, VolumeAxes axes)
     byItk = { -1, 1, 1 };
     toLps = { 1, -1, 1 };
   }
+  else if (space.empty() && axes == VolumeAxes::Patient)
+  {
+    Note({ header.Path, std::string("its field 'space' is missing: ") + AxesNotSaid });
+  }
   Flip(grid, byItk);
   if (axes == VolumeAxes::Patient)
   {

@@ -290,8 +290,7 @@ void TakeNiftiPlacement(const std::string& path, const NiftiHeader& header, Volu
   if (!sform && !qform)
   {
     Note({ path,
-      "its qform_code and sform_code are 0 (Analyze, MATLAB): it does not say where the patient's "
-      "left, back and head are; its axes are taken as LPS unless an orientation is set" });
+      std::string("its qform_code and sform_code are 0 (Analyze, MATLAB): ") + AxesNotSaid });
     return;
   }
   Placement taken = takesSform ? *sform : *qform;

@@ -15,6 +15,11 @@
 
 namespace mammoray
 {
+/// Of a file that names no frame of the patient, for a note.
+inline constexpr const char* AxesNotSaid =
+  "it does not say where the patient's left, back and head are; its axes are taken as LPS unless "
+  "an orientation is set";
+
 /// The header of a NIfTI-1 file of its own (magic n+1), which may be compressed.
 class MAMMORAYIO_EXPORT NiftiHeader
 {
