@@ -24,6 +24,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -82,7 +84,8 @@ struct vtkBreastCompression::Internals
   std::pair<double, PlatePair> PressedFor;
 
   CompressionSimulation& Simulation() { return this->Model->Body().Simulation(); }
-  ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::string& table) const;
+  ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+    const std::string& table) const;
   CompressionSetup SetupOf(const vtkBreastCompression& filter, vtkUnstructuredGrid* input,
     vtkUnstructuredGrid* coarse) const;
   void Prepare(CompressionSetup setup, const ProgressCallback& progress);
@@ -96,38 +99,49 @@ struct vtkBreastCompression::Internals
     const std::optional<double>& thicknessMm);
 };
 
-/// The table's materials, and before them what SetMaterial said.
+/// Constants of the mesh's materials: what SetMaterial said of their numbers, else the table's by
+/// their names (MaterialTable::FitMesh).
 ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh& mesh,
-  const std::string& table) const
+  const std::vector<std::string>& names, const std::string& table) const
 {
+  const std::set<int> used(mesh.Materials.begin(), mesh.Materials.end());
+  TetrahedralMesh others; // one of each material that the table tells
+  for (const int material : used)
+  {
+    if (this->OwnMaterials.count(material) == 0)
+    {
+      others.Materials.push_back(material);
+    }
+  }
+  const std::vector<std::int32_t> numbers = others.Materials;
+  ElasticTable known;
+  if (!table.empty())
+  {
+    const mammoray::MaterialTable found = FindMaterialTable(table);
+    found.FitMesh(others, names, "vtkBreastCompression's input");
+    known = ElasticTable(found);
+  }
+  else if (!numbers.empty())
+  {
+    throw InputError("material " + std::to_string(numbers.front()) +
+      " has no elastic constants; set them by MaterialTable or SetMaterial");
+  }
   ElasticTable materials;
-  if (table.empty())
-  {
-    materials.Elastic.resize(1); // air
-    materials.Fixed.resize(1);
-  }
-  else
-  {
-    materials = ElasticTable(FindMaterialTable(table));
-  }
-  std::vector<bool> known(materials.Fixed.size(), true);
+  const std::size_t count = static_cast<std::size_t>(used.empty() ? 0 : *used.rbegin()) + 1;
+  materials.Elastic.resize(count);
+  materials.Fixed.resize(count);
   for (const auto& [index, material] : this->OwnMaterials)
   {
-    const auto size = std::max(known.size(), static_cast<std::size_t>(index) + 1);
-    materials.Elastic.resize(size);
-    materials.Fixed.resize(size);
-    known.resize(size, false);
-    materials.Elastic[index] = material.Elastic;
-    materials.Fixed[index] = material.Fixed;
-    known[index] = true;
-  }
-  for (const int material : mesh.Materials)
-  {
-    if (material < 0 || static_cast<std::size_t>(material) >= known.size() || !known[material])
+    if (static_cast<std::size_t>(index) < count)
     {
-      throw InputError("material " + std::to_string(material) +
-        " has no elastic constants; set them by MaterialTable or SetMaterial");
+      materials.Elastic[index] = material.Elastic;
+      materials.Fixed[index] = material.Fixed;
     }
+  }
+  for (std::size_t other = 0; other < numbers.size(); ++other)
+  {
+    materials.Elastic[numbers[other]] = known.Elastic[others.Materials[other]];
+    materials.Fixed[numbers[other]] = known.Fixed[others.Materials[other]];
   }
   return materials;
 }
@@ -137,10 +151,11 @@ CompressionSetup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompres
 {
   CompressionSetup setup;
   setup.Axes = AnatomicalAxes::FromCode(filter.Orientation);
-  setup.Anatomy = FromGrid(input);
+  std::vector<std::string> names;
+  setup.Anatomy = FromGrid(input, &names);
   setup.Anatomy.Validate("vtkBreastCompression's input");
-  setup.Materials =
-    this->MaterialsOf(setup.Anatomy, FileOrName(filter.MaterialTableFile, filter.MaterialTable));
+  setup.Materials = this->MaterialsOf(setup.Anatomy, names,
+    FileOrName(filter.MaterialTableFile, filter.MaterialTable));
   if (coarse)
   {
     setup.Coarse = FromGrid(coarse);

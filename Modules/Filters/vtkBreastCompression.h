@@ -53,7 +53,8 @@ public:
   ///@{
   /**
    * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of
-   * materials 1, 2, ... and which are fixed. Empty: only the constants of SetMaterial.
+   * the input's materials, by their names if it has some, and which are fixed. Empty: only the
+   * constants of SetMaterial.
    * MaterialTableFile, the path of a table, takes precedence; it serves interfaces that offer the
    * shipped tables as a list, as ParaView does. Default empty.
    */

@@ -161,7 +161,7 @@ std::string WhyNoVolume(const std::string& path, const std::string& refusal, con
 {
   const std::string why = study.Series.empty() ? "" : study.Series.front().WhyNoGrid;
   return !study.Damaged.empty() ? DamagedText(study)
-    : why.empty() || why.starts_with("doubled")
+    : why.empty() || !study.Series.front().DoubledFiles.empty()
     ? refusal
     : path + ": expected slices that make a volume, found: " + why;
 }

@@ -387,7 +387,8 @@ StudySeries& VolumeOfNumber(Study& study, int number)
   if (!series.Grid)
   {
     throw InputError(study.Folder + ": expected slices that make a volume, found in number " +
-        std::to_string(number) + ", '" + series.Description + "': " + series.LeftOut +
+        std::to_string(number) + ", '" + series.Description +
+        "': " + (series.DoubledFiles.empty() ? series.LeftOut : series.DoubledFiles) +
         (study.Damaged.empty() ? "" : "; damaged: " + DamagedText(study)),
       { "Series", std::to_string(number) });
   }

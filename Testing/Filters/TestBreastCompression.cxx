@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
 #include "TestMeshes.h"
 #include "mammoray/Filters/vtkBreastCompression.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -257,6 +258,37 @@ TEST_F(BreastCompression, GlidesAlongTheChestWallUnderGravityAndPull)
   EXPECT_EQ(this->Errors->Count, 1);
   EXPECT_NE(this->Errors->Text.find("positive stiffness"), std::string::npos);
   EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), 0);
+}
+
+TEST_F(BreastCompression, TakesMaterialsOfATableByTheirNames)
+{
+  this->Filter->Update();
+  const double force = this->FieldValue("PaddleForceN");
+  // In another order than those of the grid.
+  const test::TemporaryFolder folder;
+  const std::string table = folder.Write("table.json", R"({ "materials": [
+    { "name": "air", "labels": [0] },
+    { "name": "Chest-Wall", "labels": [7], "attenuation": "muscle", "density_g_per_cm3": 1.05,
+      "youngs_modulus_kpa": 6, "poisson_ratio": 0.49, "fixed": true },
+    { "name": "breast", "labels": [3], "attenuation": "adipose", "density_g_per_cm3": 0.95,
+      "youngs_modulus_kpa": 6, "poisson_ratio": 0.49 } ] })");
+  this->Filter->ClearMaterials();
+  this->Filter->SetMaterialTable(table.c_str());
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), force, 1e-6 * force);
+  this->Filter->SetInputData(
+    ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 6), { "air", "breast", "rib" }));
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_NE(this->Errors->Text.find("material 'rib' is not in the material table"),
+    std::string::npos)
+    << this->Errors->Text;
+  // Its number's own constants need no name.
+  this->Filter->SetMaterial(2, 6, 0.49, true);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1) << this->Errors->Text;
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), force, 1e-6 * force);
 }
 
 TEST_F(BreastCompression, StiffensByFungsLaw)

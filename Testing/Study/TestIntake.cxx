@@ -262,11 +262,14 @@ TEST(Intake, DamagedAndDoubledSlicesAreNamed)
                 },
                 {}),
     HasSubstr("DICOM/IM20: expected"));
-  EXPECT_THAT(
-    refusal([](MadeUpStudy& files)
-      { files.AddSlices(MadeUpMr("1.2.4", "t1").Set(0x20, 0x13, "IS", "41"), 1, -60 + 3 * 19); },
-      {}),
-    AllOf(HasSubstr("found two at one"), HasSubstr("DICOM/IM20"), HasSubstr("DICOM/IM41")));
+  for (const std::optional<int> series : { std::optional<int>(), std::optional(1) })
+  {
+    EXPECT_THAT(
+      refusal([](MadeUpStudy& files)
+        { files.AddSlices(MadeUpMr("1.2.4", "t1").Set(0x20, 0x13, "IS", "41"), 1, -60 + 3 * 19); },
+        series),
+      AllOf(HasSubstr("found two at one"), HasSubstr("DICOM/IM20"), HasSubstr("DICOM/IM41")));
+  }
 }
 
 TEST(Intake, AMammogramWithoutThePixelsSizeNeedsIt)

@@ -215,6 +215,7 @@ StudySeries VolumeOf(Slices slices)
   catch (const InputError& error)
   {
     series.WhyNoGrid = slices.front().Position ? WhyIrregular(slices, error.what()) : "";
+    series.DoubledFiles = series.WhyNoGrid.starts_with("doubled") ? error.what() : "";
   }
   std::set<std::string> known;
   for (const std::size_t index : order)
