@@ -139,9 +139,10 @@ int Run(int argc, char* argv[])
 
 int main(int argc, char* argv[])
 {
+  int status = 1;
   try
   {
-    return CheckPrinted(Run(argc, argv));
+    status = CheckPrinted(Run(argc, argv));
   }
   catch (const std::exception& error)
   {
@@ -151,5 +152,11 @@ int main(int argc, char* argv[])
   {
     std::fputs("mammoray: failed for an unknown reason\n", stderr);
   }
-  return 1;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return status; // leaks are found at exit
+#else
+  // Nothing is left to do. OpenBLAS would join its threads, of which one that has hardly started
+  // never ends (seen on a busy machine after a refusal; OpenBLAS issue 1720, pull request 2372).
+  std::_Exit(status);
+#endif
 }
