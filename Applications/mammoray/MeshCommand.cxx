@@ -258,24 +258,16 @@ void RefuseDefects(const MeshCheck& check, const std::string& path,
 void RunCheck(const MeshArguments& arguments)
 {
   CheckReportFiles(arguments);
-  std::vector<std::string> names;
-  MeshCheck check;
-  vtkSmartPointer<vtkUnstructuredGrid> grid;
-  if (IsVolumeMesh(arguments.Check))
+  MeshOrSurface read = ReadMeshOrSurface(arguments.Check);
+  if (!read.Volume && !arguments.CutPicture.empty())
   {
-    grid = ReadMesh(arguments.Check);
-    check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());
+    throw InputError(
+      "--cut-picture: expected a mesh (.vtu) to cut, found the surface " + arguments.Check);
   }
-  else
-  {
-    if (!arguments.CutPicture.empty())
-    {
-      throw InputError(
-        "--cut-picture: expected a mesh (.vtu) to cut, found the surface " + arguments.Check);
-    }
-    check = CheckSurface(ReadSurface(arguments.Check, &names), MakeProgressBar());
-  }
-  WriteReportFiles(arguments, CheckReport(check, names), names, grid);
+  std::vector<std::string>& names = read.MaterialNames;
+  const MeshCheck check = read.Volume ? CheckMesh(FromGrid(read.Volume, &names), MakeProgressBar())
+                                      : CheckSurface(read.Surface, MakeProgressBar());
+  WriteReportFiles(arguments, CheckReport(check, names), names, read.Volume);
   PrintCheck(check, names);
   RefuseDefects(check, arguments.Check, names);
   std::printf("sound: every cell is upright, every boundary a closed surface\n");

@@ -343,9 +343,8 @@ using GridDecoder = vtkSmartPointer<vtkUnstructuredGrid> (*)(const std::string& 
 using SurfaceDecoder = vtkSmartPointer<vtkPolyData> (*)(const std::string& path);
 
 /// The triangles and quads of a gmsh file without volumes.
-vtkSmartPointer<vtkPolyData> ReadGmshSurface(const std::string& path)
+vtkSmartPointer<vtkPolyData> SurfaceOf(vtkUnstructuredGrid* grid, const std::string& path)
 {
-  const auto grid = ReadGmsh(path);
   auto surface = vtkSmartPointer<vtkPolyData>::New();
   vtkNew<vtkCellArray> polygons;
   vtkNew<vtkIdList> corners;
@@ -372,6 +371,11 @@ vtkSmartPointer<vtkPolyData> ReadGmshSurface(const std::string& path)
   return surface;
 }
 
+vtkSmartPointer<vtkPolyData> ReadGmshSurface(const std::string& path)
+{
+  return SurfaceOf(ReadGmsh(path), path);
+}
+
 SurfaceDecoder FindSurfaceDecoder(const std::string& path)
 {
   const std::string extension = ExtensionOf(path);
@@ -384,17 +388,18 @@ SurfaceDecoder FindSurfaceDecoder(const std::string& path)
                              : nullptr;
 }
 
-/// A surface as it comes from its reader's process.
-struct NamedSurface
+/// A surface as it comes from its reader's process, or tetrahedra (PackGrid).
+struct PackedMesh
 {
-  SurfaceMesh Mesh;
+  SurfaceMesh Surface;
   std::vector<std::string> MaterialNames;
+  std::string Volume;
 };
 
-void Exchange(Parcel& parcel, NamedSurface& surface)
+void Exchange(Parcel& parcel, PackedMesh& mesh)
 {
-  parcel(surface.Mesh.Points, surface.Mesh.Triangles, surface.Mesh.FrontMaterials,
-    surface.Mesh.BackMaterials, surface.MaterialNames);
+  parcel(mesh.Surface.Points, mesh.Surface.Triangles, mesh.Surface.FrontMaterials,
+    mesh.Surface.BackMaterials, mesh.MaterialNames, mesh.Volume);
 }
 
 /// Notes how far floats that were written lie from what they stand for, where that is more than a
@@ -424,20 +429,19 @@ void NoteRounding(vtkPolyData* surface, const std::string& path)
   }
 }
 
-NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
+PackedMesh PackSurface(vtkPolyData* decoded, const std::string& path)
 {
-  const auto decoded = decode(path);
-  CheckSome(decoded.Get(), path);
+  CheckSome(decoded, path);
   for (vtkIdType point = 0; point < decoded->GetNumberOfPoints(); ++point)
   {
     CheckCoordinates(path, static_cast<std::size_t>(point), decoded->GetPoint(point));
   }
   try
   {
-    NamedSurface surface;
-    surface.Mesh = FromPolyData(decoded, &surface.MaterialNames);
+    PackedMesh packed;
+    packed.Surface = FromPolyData(decoded, &packed.MaterialNames);
     NoteRounding(decoded, path);
-    return surface;
+    return packed;
   }
   catch (const InputError& error)
   {
@@ -445,6 +449,30 @@ NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
   }
 }
 
+/// Of a gmsh file.
+PackedMesh PackEither(vtkUnstructuredGrid* grid, const std::string& path)
+{
+  bool holdsVolumes = false;
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells() && !holdsVolumes; ++cell)
+  {
+    holdsVolumes = DimensionOf(grid->GetCellType(cell)) == 3;
+  }
+  return holdsVolumes ? PackedMesh{ {}, {}, PackGrid(grid, path) }
+                      : PackSurface(SurfaceOf(grid, path), path);
+}
+
+/// What a reader's process has sent of a surface's file, checked again.
+template <typename Pack>
+PackedMesh ReadPacked(const std::string& path, const Pack& pack)
+{
+  PackedMesh read = ReadGuarded(path, "a mesh", ReadLimits::Of({ path }), pack);
+  read.Surface.Validate(path);
+  for (std::size_t point = 0; point < read.Surface.NumberOfPoints(); ++point)
+  {
+    CheckCoordinates(path, point, &read.Surface.Points[3 * point]);
+  }
+  return read;
+}
 }
 
 void WriteMesh(vtkPointSet* mesh, const std::string& path)
@@ -511,27 +539,6 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
     path);
 }
 
-bool IsVolumeMesh(const std::string& path)
-{
-  const std::string extension = ExtensionOf(path);
-  if (extension != ".msh")
-  {
-    return extension == ".vtu" || extension == ".vtk";
-  }
-  CheckReadable(path, "a mesh");
-  return ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
-    [&path]
-    {
-      const auto grid = ReadGmsh(path);
-      bool holdsVolumes = false;
-      for (vtkIdType cell = 0; cell < grid->GetNumberOfCells() && !holdsVolumes; ++cell)
-      {
-        holdsVolumes = DimensionOf(grid->GetCellType(cell)) == 3;
-      }
-      return holdsVolumes;
-    });
-}
-
 SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* materialNames)
 {
   CheckReadable(path, "a mesh");
@@ -540,18 +547,35 @@ SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* mater
   {
     RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .msh, .glb or .gltf");
   }
-  NamedSurface read = ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
-    [&] { return DecodeSurface(path, decode); });
-  read.Mesh.Validate(path);
-  for (std::size_t point = 0; point < read.Mesh.NumberOfPoints(); ++point)
-  {
-    CheckCoordinates(path, point, &read.Mesh.Points[3 * point]);
-  }
+  PackedMesh read = ReadPacked(path, [&] { return PackSurface(decode(path), path); });
   if (materialNames)
   {
     *materialNames = std::move(read.MaterialNames);
   }
-  return std::move(read.Mesh);
+  return std::move(read.Surface);
+}
+
+MeshOrSurface ReadMeshOrSurface(const std::string& path)
+{
+  MeshOrSurface read;
+  const std::string extension = ExtensionOf(path);
+  if (extension == ".vtu" || extension == ".vtk")
+  {
+    read.Volume = ReadMesh(path);
+  }
+  else if (extension != ".msh")
+  {
+    read.Surface = ReadSurface(path, &read.MaterialNames);
+  }
+  else
+  {
+    CheckReadable(path, "a mesh");
+    PackedMesh packed = ReadPacked(path, [&] { return PackEither(ReadGmsh(path), path); });
+    read.Surface = std::move(packed.Surface);
+    read.MaterialNames = std::move(packed.MaterialNames);
+    read.Volume = packed.Volume.empty() ? nullptr : UnpackGrid(packed.Volume, path);
+  }
+  return read;
 }
 
 void ScaleSurface(const std::string& path, const std::optional<double>& unitMm,

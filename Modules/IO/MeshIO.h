@@ -32,10 +32,6 @@ MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
  */
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
-/// Whether a file is for ReadMesh, by its name, a .msh by its cells; others are for ReadSurface.
-/// Throws InputError on a .msh that is missing or damaged.
-MAMMORAYIO_EXPORT bool IsVolumeMesh(const std::string& path);
-
 /**
  * Reads polygons, cut into triangles, from .vtp, .stl, .ply, .obj, .msh, or from all parts of the
  * scene of a .glb or .gltf (glTF 2.0; its metres become mm). Their materials, and `materialNames`,
@@ -46,6 +42,19 @@ MAMMORAYIO_EXPORT bool IsVolumeMesh(const std::string& path);
  */
 MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
   std::vector<std::string>* materialNames = nullptr);
+
+/// A mesh's file: what ReadMesh or ReadSurface makes of it.
+struct MeshOrSurface
+{
+  /// Null of a surface.
+  vtkSmartPointer<vtkUnstructuredGrid> Volume;
+  SurfaceMesh Surface;
+  /// Of the surface's materials.
+  std::vector<std::string> MaterialNames;
+};
+
+/// Reads a file by ReadMesh or ReadSurface, by its name, a .msh by its cells; throws as these do.
+MAMMORAYIO_EXPORT MeshOrSurface ReadMeshOrSurface(const std::string& path);
 
 /// Turns what ReadSurface made of a file into mm, where the file's numbers have another unit than
 /// its format says. Throws InputError, which begins with `who`, on a surface that reaches farther

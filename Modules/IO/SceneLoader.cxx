@@ -84,25 +84,24 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
 /// The interfaces of a mesh's file, whose materials are those of the scene's table.
 void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
 {
-  std::vector<std::string> names;
-  const auto interfacesOf = [&](vtkUnstructuredGrid* grid)
+  MeshOrSurface read = ReadMeshOrSurface(path);
+  if (read.Volume)
   {
     try
     {
-      return ExtractInterfaces(FromGrid(grid, &names));
+      read.Surface = ExtractInterfaces(FromGrid(read.Volume, &read.MaterialNames));
     }
     catch (const InputError& error)
     {
       throw InputError(path + ": " + error.what());
     }
-  };
-  auto surface = std::make_shared<SurfaceMesh>(
-    IsVolumeMesh(path) ? interfacesOf(ReadMesh(path)) : ReadSurface(path, &names));
+  }
+  auto surface = std::make_shared<SurfaceMesh>(std::move(read.Surface));
   if (!unit.empty())
   {
     ScaleSurface(path, LengthUnitMm(unit), path, *surface);
   }
-  scene.Materials.FitMesh(*surface, names, path);
+  scene.Materials.FitMesh(*surface, read.MaterialNames, path);
   scene.Samples.push_back({ std::move(surface) });
 }
 

@@ -5,6 +5,8 @@
 #include "mammoray/Foundation/FaceTable.h"
 #include "mammoray/Foundation/SurfaceOverlap.h"
 
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -326,8 +328,7 @@ private:
   /// Turns the triangles that are turned against most of those joined to them, and records them.
   void TurnAlike()
   {
-    constexpr std::uint32_t none = ~std::uint32_t{ 0 };
-    std::vector<std::uint32_t> across(this->Corners.size(), none);
+    DisjointSets parts(this->NumberOfTriangles());
     bool isAlike = true;
     for (std::size_t begin = 0; begin < this->Edges.size();)
     {
@@ -338,8 +339,7 @@ private:
       }
       if (end - begin == 2)
       {
-        across[this->Edges[begin].Corner] = this->Edges[begin + 1].Corner;
-        across[this->Edges[begin + 1].Corner] = this->Edges[begin].Corner;
+        parts.Join(this->Edges[begin].Corner / 3, this->Edges[begin + 1].Corner / 3);
         isAlike = isAlike && this->Edges[begin].Forward != this->Edges[begin + 1].Forward;
       }
       begin = end;
@@ -348,58 +348,72 @@ private:
     {
       return;
     }
-    std::vector<signed char> sides(this->NumberOfTriangles(), -1);
-    for (std::uint32_t start = 0; start < sides.size(); ++start)
+    const std::vector<bool> reversed = this->ReversedByCgal();
+    // Of each part, how many triangles stay and how many are reversed.
+    std::unordered_map<std::uint32_t, std::array<std::size_t, 2>> counts;
+    for (std::uint32_t triangle = 0; triangle < reversed.size(); ++triangle)
     {
-      if (sides[start] >= 0)
+      ++counts[parts.Root(triangle)][reversed[triangle] ? 1 : 0];
+    }
+    for (std::uint32_t triangle = 0; triangle < reversed.size(); ++triangle)
+    {
+      const auto& [staying, turned] = counts[parts.Root(triangle)];
+      if (reversed[triangle] == (turned <= staying))
       {
-        continue;
+        this->Turn(triangle);
       }
-      std::vector<std::uint32_t> part{ start };
-      sides[start] = 0;
-      for (std::size_t n = 0; n < part.size(); ++n)
-      {
-        for (std::uint32_t corner = 3 * part[n]; corner < 3 * part[n] + 3; ++corner)
-        {
-          const std::uint32_t other = across[corner];
-          if (other != none && sides[other / 3] < 0)
-          {
-            const bool isTurned = this->Corners[corner] == this->Corners[other];
-            sides[other / 3] = static_cast<signed char>(sides[part[n]] ^ (isTurned ? 1 : 0));
-            part.push_back(other / 3);
-          }
-        }
-      }
-      this->TurnFewer(part, sides);
     }
     this->Edges.clear();
     this->CollectEdges();
   }
 
-  /// Turns the triangles of the side that has fewer of a part.
-  void TurnFewer(const std::vector<std::uint32_t>& part, const std::vector<signed char>& sides)
+  /// Which triangles CGAL reverses to orient those of each part alike, as RepairSurface does.
+  std::vector<bool> ReversedByCgal() const
   {
-    const auto ones = static_cast<std::size_t>(std::count_if(part.begin(), part.end(),
-      [&sides](std::uint32_t triangle) { return sides[triangle] == 1; }));
-    const signed char fewer = 2 * ones <= part.size() ? 1 : 0;
-    for (const std::uint32_t triangle : part)
+    struct Visitor : CGAL::Polygon_mesh_processing::Default_orientation_visitor
     {
-      if (sides[triangle] != fewer)
+      void polygon_orientation_reversed(std::size_t polygon)
       {
-        continue;
+        const std::size_t triangle = (*this->Triangles)[polygon];
+        (*this->Reversed)[triangle] = !(*this->Reversed)[triangle];
       }
-      const std::size_t corner = 3 * static_cast<std::size_t>(triangle);
-      const TriangleKey key =
-        KeyOfTriangle(this->Corners.begin() + static_cast<std::ptrdiff_t>(corner));
-      std::swap(this->Corners[corner + 1], this->Corners[corner + 2]);
-      // Of a triangle in both senses, either may have been left out.
-      if (this->Material != 0 && this->Opposed.count(key) == 0 &&
-        this->Shared.TurnedTriangles.insert(key).second)
+      const std::vector<std::size_t>* Triangles = nullptr;
+      std::vector<bool>* Reversed = nullptr;
+    };
+    std::vector<Vector3> points(this->Surface.NumberOfPoints()); // their places do not matter
+    std::vector<std::vector<std::size_t>> polygons;
+    std::vector<std::size_t> triangles;
+    for (std::size_t triangle = 0; triangle < this->NumberOfTriangles(); ++triangle)
+    {
+      const std::uint32_t* ids = &this->Corners[3 * triangle];
+      if (ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0])
       {
-        this->Defects.Add(Kind::TurnedTriangles,
-          { (1.0 / 3) * (this->Point(corner) + this->Point(corner + 1) + this->Point(corner + 2)),
-            this->Material, 0 });
+        polygons.push_back({ ids[0], ids[1], ids[2] });
+        triangles.push_back(triangle);
       }
+    }
+    std::vector<bool> reversed(this->NumberOfTriangles(), false);
+    Visitor visitor;
+    visitor.Triangles = &triangles;
+    visitor.Reversed = &reversed;
+    CGAL::Polygon_mesh_processing::orient_polygon_soup(points, polygons,
+      CGAL::parameters::visitor(visitor));
+    return reversed;
+  }
+
+  void Turn(std::uint32_t triangle)
+  {
+    const std::size_t corner = 3 * static_cast<std::size_t>(triangle);
+    const TriangleKey key =
+      KeyOfTriangle(this->Corners.begin() + static_cast<std::ptrdiff_t>(corner));
+    std::swap(this->Corners[corner + 1], this->Corners[corner + 2]);
+    // Of a triangle in both senses, either may have been left out.
+    if (this->Material != 0 && this->Opposed.count(key) == 0 &&
+      this->Shared.TurnedTriangles.insert(key).second)
+    {
+      this->Defects.Add(Kind::TurnedTriangles,
+        { (1.0 / 3) * (this->Point(corner) + this->Point(corner + 1) + this->Point(corner + 2)),
+          this->Material, 0 });
     }
   }
 

@@ -4,11 +4,9 @@
 #include "OptionList.h"
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
-#include "Private/GmshFile.h"
 #include "Private/LabelNames.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoredVoxels.h"
-#include "Private/SurfaceFiles.h"
 #include "Private/VolumePlacement.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomNetwork.h"
@@ -16,7 +14,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/MaterialTableIO.h"
-#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ScratchFolder.h"
@@ -26,7 +24,6 @@
 #include "mammoray/Study/StudyAnswers.h"
 #include "mammoray/XRay/Composition.h"
 
-#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -105,15 +102,6 @@ FuzzTarget OfHeader(const char* name, TextHeader (*read)(const std::string&), co
 void ReadResult(const std::string& path)
 {
   ReadResultFiles(std::filesystem::path(path).parent_path().string());
-}
-
-/// Polygons that were read, if there are any.
-void ToTriangles(vtkPolyData* surface)
-{
-  if (surface->GetNumberOfCells() > 0)
-  {
-    FromPolyData(surface).Validate("surface");
-  }
 }
 
 /// Options of every kind.
@@ -197,7 +185,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "dicom-segmentation",
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
     { "study-truth", OfFile("truth.json", ReadStudyTruth) },
-    { "gmsh", OfFile("a.msh", [](const std::string& path) { ReadGmsh(path); }) },
+    { "gmsh", OfFile("a.msh", ReadMeshOrSurface) },
     { "label-description",
       OfFile("a.txt",
         [](const std::string& path)
@@ -220,8 +208,8 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
           volume.Validate(path);
         }) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
-    { "obj", OfFile("a.obj", [](const std::string& path) { ToTriangles(ReadObj(path)); }) },
-    { "ply", OfFile("a.ply", [](const std::string& path) { ToTriangles(ReadPly(path)); }) },
+    { "obj", OfFile("a.obj", ReadMeshOrSurface) },
+    { "ply", OfFile("a.ply", ReadMeshOrSurface) },
     { "printable",
       Refusing(
         [](const std::string& bytes)
@@ -235,7 +223,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "scene", OfFile("a.json", [](const std::string& path) { ReadScene(path); }) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
     { "spectrum-table", OfFile("a.csv", [](const std::string& path) { ReadSpectrum(path); }) },
-    { "stl", OfFile("a.stl", [](const std::string& path) { ToTriangles(ReadStl(path)); }) },
+    { "stl", OfFile("a.stl", ReadMeshOrSurface) },
     { "study", Refusing(ReadExport) },
   };
   return targets;

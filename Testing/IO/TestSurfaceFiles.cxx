@@ -239,8 +239,7 @@ protected:
   std::string Refusal(const std::string& name, const std::string& bytes)
   {
     const std::string path = this->Folder.Write(name, bytes);
-    return test::RefusalOf(
-      [&] { IsVolumeMesh(path) ? void(ReadMesh(path)) : void(ReadSurface(path)); });
+    return test::RefusalOf([&] { ReadMeshOrSurface(path); });
   }
 
   const test::TemporaryFolder Folder;
@@ -571,11 +570,16 @@ TEST_F(SurfaceFiles, TheSidesOfAGmshFileAreASurface)
   }
   const std::string path = this->Folder.Write("cube.msh", text + "$EndElements\n");
   EXPECT_NEAR(VolumeOf(ReadSurface(path)), 1000, 1e-9);
-  EXPECT_FALSE(IsVolumeMesh(path));
+  const MeshOrSurface surface = ReadMeshOrSurface(path);
+  EXPECT_FALSE(surface.Volume);
+  EXPECT_NEAR(VolumeOf(surface.Surface), 1000, 1e-9);
   EXPECT_THAT(test::RefusalOf([&] { ReadMesh(path); }),
     HasSubstr("expected tetrahedra, found cells that are no volumes (quad)"));
   const std::string volumes = this->Folder.Write("volumes.msh", Gmsh4());
-  EXPECT_TRUE(IsVolumeMesh(volumes));
+  const MeshOrSurface mesh = ReadMeshOrSurface(volumes);
+  ASSERT_TRUE(mesh.Volume);
+  EXPECT_EQ(mesh.Volume->GetNumberOfCells(), ReadMesh(volumes)->GetNumberOfCells());
+  EXPECT_EQ(mesh.Surface.NumberOfTriangles(), 0u);
   EXPECT_THAT(test::RefusalOf([&] { ReadSurface(volumes); }),
     HasSubstr("expected a surface, found a mesh of volumes (tetrahedron)"));
 }
