@@ -466,7 +466,10 @@ template <typename Pack>
 PackedMesh ReadPacked(const std::string& path, const Pack& pack)
 {
   PackedMesh read = ReadGuarded(path, "a mesh", ReadLimits::Of({ path }), pack);
-  read.Surface.Validate(path);
+  if (read.Volume.empty())
+  {
+    read.Surface.Validate(path);
+  }
   for (std::size_t point = 0; point < read.Surface.NumberOfPoints(); ++point)
   {
     CheckCoordinates(path, point, &read.Surface.Points[3 * point]);
