@@ -63,11 +63,7 @@ void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
 {
   const OptionList unit = add.Group("Detector");
-  unit.Flag("--realistic", arguments.IsRealistic,
-    "with noise, blur, heel and scatter\n(what is not asked for otherwise is that of a "
-    "modern unit: tungsten tube of 29 kV with 0.05 mm Rh, heel and inverse square, scatter of 17 "
-    "mm of air behind a grid of lead 5:1 with 31 lines per cm and fibre, half modulation 5 per mm, "
-    "noise of 2e7 photons per mm2, 5 photons of the detector's own)");
+  AddQuantities(unit, "realistic", arguments.Given);
   unit.Flag("--display", arguments.Display,
     "what a unit shows in place of transmissions, 0 to 1\n(bright where much is absorbed: rim "
     "evened out, details raised, sigmoid; a .dcm is For Presentation)");
@@ -91,34 +87,6 @@ void DeclareDualEnergy(const OptionList& add, DualEnergyArguments& arguments)
   dual("--cancel-thickness", arguments.ThicknessMm, Positive("mm"),
     "slabs of them as thick as this look the same");
 }
-
-/// Fills in what is not asked for otherwise.
-void ApplyRealisticUnit(SceneDescription& scene)
-{
-  const auto standard = [&scene](const char* key, const char* value)
-  {
-    if (!scene.Has(key))
-    {
-      SetQuantity({ "--realistic", key, { value } }, scene);
-    }
-  };
-  if (!scene.Has("beam.kev") && !scene.Has("beam.spectrum") && !scene.Has("beam.tube"))
-  {
-    standard("beam.tube", "W");
-    standard("beam.kvp", "29");
-    standard("beam.filter", "Rh:0.05");
-  }
-  standard("source.inverse-square", "true");
-  standard("source.heel.angle", "20");
-  standard("scatter.method", "kernels");
-  standard("scatter.grid.ratio", "5");
-  standard("detector.half-modulation", "5");
-  standard("detector.electronic-noise", "5");
-  if (!scene.Has("detector.photons"))
-  {
-    scene.Fixed.Detection.PhotonsPerPixel = 2e7 * scene.PixelSpacingMm * scene.PixelSpacingMm;
-  }
-}
 }
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments)
@@ -141,9 +109,9 @@ void CompleteScene(ProjectArguments& arguments)
 {
   arguments.Scene = ReadSceneArguments(arguments.Given);
   SceneDescription& scene = arguments.Scene;
-  if (arguments.IsRealistic)
+  if (scene.IsRealistic)
   {
-    ApplyRealisticUnit(scene);
+    CompleteUnit(scene);
   }
   else if (scene.Fixed.Scatter.Method == SceneScatter::Model::Kernels &&
     !scene.Has("scatter.air-gap"))

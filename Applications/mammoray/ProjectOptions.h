@@ -40,7 +40,6 @@ struct ProjectArguments
   SeriesArguments Series;
   std::optional<char> Laterality;
   std::string View;
-  bool IsRealistic = false;
   bool Display = false;
   bool ForProcessing = false;
   DicomPatient Patient;
@@ -55,8 +54,7 @@ struct ProjectArguments
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments);
 
-/// Brings the scene's file, the options and --realistic into arguments.Scene. Throws
-/// InputError.
+/// Brings the scene's file and the options into arguments.Scene. Throws InputError.
 void CompleteScene(ProjectArguments& arguments);
 
 /// The spectrum of higher energy; `low` has the anode. Throws InputError.

@@ -16,8 +16,10 @@ using QuantityKind = SceneQuantity::Kind;
 /// What help shows in place of a type.
 std::string TypeName(const SceneQuantity& quantity)
 {
+  const bool isPath =
+    quantity.Type == QuantityKind::FileOrName || quantity.Type == QuantityKind::Table;
   return quantity.Type == QuantityKind::File     ? FileTypeName
-    : quantity.Type == QuantityKind::FileOrName  ? InputTypeName
+    : isPath                                     ? InputTypeName
     : !quantity.Unit.empty()                     ? quantity.Unit
     : quantity.Type == QuantityKind::WholeNumber ? "INT"
     : quantity.Type == QuantityKind::Number      ? "FLOAT"
@@ -89,7 +91,8 @@ void AddQuantityOption(const OptionList& add, const SceneQuantity& quantity,
   {
     option->check(OneOfWords(quantity.Words));
   }
-  else if (quantity.Type == QuantityKind::File || quantity.Type == QuantityKind::FileOrName)
+  else if (quantity.Type == QuantityKind::File || quantity.Type == QuantityKind::FileOrName ||
+    quantity.Type == QuantityKind::Table)
   {
     option->check(FileOrFolder(quantity.Type == QuantityKind::File));
   }

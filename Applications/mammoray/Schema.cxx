@@ -107,6 +107,9 @@ Json QuantitySchema(const SceneQuantity& quantity)
     case Kind::Word:
       one["enum"] = quantity.Words;
       break;
+    case Kind::Table:
+      one["type"] = { "string", "object" };
+      break;
     default:
       break;
   }

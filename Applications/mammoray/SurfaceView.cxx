@@ -28,7 +28,8 @@ ViewedScene ReadViewedScene(const SceneArguments& arguments)
   viewed.Scene.Detector.Samples = 1;
   if (!description.HasSource())
   {
-    viewed.PlaceAround();
+    viewed.Scene.Detector.Columns = viewed.Scene.Detector.Rows = 512;
+    PlaceAround(viewed.Scene);
   }
   return viewed;
 }

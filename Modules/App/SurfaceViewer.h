@@ -19,14 +19,6 @@ struct MAMMORAYAPP_EXPORT ViewedScene
   /// For titles.
   std::string Name;
   mammoray::Scene Scene;
-
-  /**
-   * Places source and detector for a scene without: the source four times the diagonal d of the
-   * samples' box before its middle, looking along +y, the detector 1.5 d behind it, with columns
-   * along +x and rows along -z, 512 x 512 pixels that hold the samples however they turn. Throws
-   * InputError where the surface has no extent.
-   */
-  void PlaceAround();
 };
 
 /**

@@ -7,12 +7,16 @@
 #include "mammoray/IO/ShippedData.h"
 
 #include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace mammoray
 {
 namespace
 {
 using Json = nlohmann::json;
+const std::vector<std::string> TableKeys{ "name", "description", "materials" };
 
 /// The name or composition, mass fractions as the text that FindComposition reads.
 std::string ReadAttenuation(const JsonObject& entry)
@@ -77,15 +81,13 @@ void ReadLabels(const JsonObject& entry, int material, MaterialTable& table)
     }
   }
 }
-}
 
-MaterialTable ReadMaterialTable(const std::string& path)
+/// `where`: "FILE: ", or nothing.
+MaterialTable ToMaterialTable(const JsonObject& root, const std::string& name,
+  const std::string& where)
 {
-  const Json file = ParseJsonFile(path, "a material table");
-  const JsonObject root = JsonObject::Root(file, path, { "name", "description", "materials" });
   MaterialTable table;
-  table.Name =
-    root.Find("name") ? root.Text("name") : std::filesystem::path(path).filename().string();
+  table.Name = root.Find("name") ? root.Text("name") : name;
   if (root.Find("description"))
   {
     root.Text("description");
@@ -97,7 +99,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
   }
   for (std::size_t index = 0; index < materials->size(); ++index)
   {
-    const std::string place = path + ": materials[" + std::to_string(index) + "]";
+    const std::string place = where + "materials[" + std::to_string(index) + "]";
     Material material;
     const JsonObject entry((*materials)[index], place,
       { "name", "labels", "attenuation", "density_g_per_cm3", "iodine_mg_per_ml",
@@ -151,7 +153,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
       }
     }
     const std::vector<std::string> remedies{ "\"unusual\": true in the table" };
-    const std::string what = path + ": material '" + material.Name + "'";
+    const std::string what = where + "material '" + material.Name + "'";
     if (!unusual)
     {
       CheckValidRange(ValidRanges::YoungsModulus, material.YoungsModulusKPa, what, remedies);
@@ -169,5 +171,20 @@ MaterialTable ReadMaterialTable(const std::string& path)
     }
   }
   return table;
+}
+}
+
+MaterialTable ReadMaterialTable(const std::string& path)
+{
+  const Json file = ParseJsonFile(path, "a material table");
+  return ToMaterialTable(JsonObject::Root(file, path, TableKeys),
+    std::filesystem::path(path).filename().string(), path + ": ");
+}
+
+MaterialTable ParseMaterialTable(const std::string& text)
+{
+  std::istringstream stream(text);
+  const Json table = ParseJson(stream, "materials", "a material table");
+  return ToMaterialTable(JsonObject(table, "materials", TableKeys), "materials", "");
 }
 }

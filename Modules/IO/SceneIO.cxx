@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 namespace mammoray
@@ -61,7 +62,8 @@ std::string ExpectedValue(const SceneQuantity& quantity, const LengthUnit& unit)
   {
     const auto text = [&](double limit)
     { return quantity.Type == Kind::Length ? unit.Text(limit) : NumberText(limit); };
-    const char* const numbers[] = { "", "a number", "two numbers", "three numbers" };
+    const char* const numbers[] = { "a list of numbers", "a number", "two numbers",
+      "three numbers" };
     return (quantity.Type == Kind::WholeNumber ? "a whole number" : numbers[quantity.Count]) +
       (" from " + text(quantity.Least) + " to " + text(quantity.Most));
   }
@@ -73,6 +75,7 @@ std::string ExpectedValue(const SceneQuantity& quantity, const LengthUnit& unit)
   return quantity.Type == Kind::Component ? "three numbers from -1e6 to 1e6 that are not all 0"
     : quantity.Type == Kind::Flag         ? "true or false"
     : quantity.Type == Kind::Sample       ? "a list of at least one sample"
+    : quantity.Type == Kind::Table        ? "the name of a table, or a table"
     : quantity.Count == 0                 ? "a list of texts that are not empty, at least one"
     : words.empty()                       ? "a text that is not empty"
                                           : words;
@@ -102,6 +105,10 @@ Json PlainValue(const SceneQuantity& quantity, const Json& value, const SceneVal
         : Json();
     case Kind::Sample:
       return value;
+    case Kind::Table:
+      return value.is_object() ? value
+        : text.empty()         ? Json()
+                               : Json(context.BesideOrAsGiven(text));
     default:
       return text.empty()                   ? Json()
         : quantity.Type == Kind::File       ? Json(context.Beside(text))
@@ -179,7 +186,7 @@ SurfaceSample SampleOf(const Json& value, const SceneValueContext& context)
   SurfaceSample sample;
   sample.Name = context.Place;
   sample.File = context.Beside(entry.Text("file"));
-  sample.Material = entry.Text("material");
+  sample.Material = entry.Find("material") ? entry.Text("material") : std::string();
   if (const auto unit = UnitOf(entry))
   {
     sample.UnitMm = unit->ToMm(1);
@@ -219,8 +226,11 @@ Json SamplesAsJson(const std::vector<SurfaceSample>& samples)
   Json list = Json::array();
   for (const SurfaceSample& sample : samples)
   {
-    Json entry{ { "file", std::filesystem::absolute(sample.File).string() },
-      { "material", sample.Material } };
+    Json entry{ { "file", std::filesystem::absolute(sample.File).string() } };
+    if (!sample.Material.empty())
+    {
+      entry["material"] = sample.Material;
+    }
     for (const LengthUnit& unit : LengthUnits)
     {
       if (sample.UnitMm == unit.ToMm(1))
@@ -323,7 +333,14 @@ Json SettingAsJson(const SceneQuantity& quantity, const std::vector<std::string>
   const bool isText =
     !quantity.IsNumeric() && quantity.Type != Kind::Component && quantity.Type != Kind::Flag;
   const auto asJson = [&](const std::string& text)
-  { return isText ? Json(text) : ParseSetting(text); };
+  {
+    if (quantity.Type == Kind::Table && text.starts_with('{'))
+    {
+      std::istringstream table(text);
+      return ParseJson(table, quantity.Key, "a table");
+    }
+    return isText ? Json(text) : ParseSetting(text);
+  };
   if (quantity.Count == 1)
   {
     return asJson(values.front());
@@ -361,16 +378,25 @@ void SceneDescription::Validate() const
 {
   const auto has = [this](const char* key) { return this->Has(key) ? 1 : 0; };
   const bool hasTube = this->Has("beam.tube");
-  const int beams =
-    has("beam.kev") + has("beam.spectrum") + (hasTube || this->Has("beam.kvp") ? 1 : 0);
+  const int beams = has("beam.kev") + has("beam.energies") + has("beam.spectrum") +
+    (hasTube || this->Has("beam.kvp") ? 1 : 0);
   if (beams > 1 || (beams == 1 && this->Has("beam.kvp") && !hasTube))
   {
-    throw InputError(std::string("beam: expected one of kev, spectrum, and tube with kvp, found ") +
+    throw InputError(
+      std::string("beam: expected one of kev, energies, spectrum, and tube with kvp, "
+                  "found ") +
       (beams > 1 ? "several" : "another"));
   }
   if (has("beam.target-angle") && !hasTube)
   {
     throw InputError("beam.target-angle: expected a tube beside it, found none");
+  }
+  if (has("beam.energies") != has("beam.photons") ||
+    this->EnergiesKeV.size() != this->Photons.size())
+  {
+    throw InputError("beam.photons: expected a number for each of " +
+      std::to_string(this->EnergiesKeV.size()) + " energies, found " +
+      std::to_string(this->Photons.size()));
   }
   if (has("source.position") && has("source.beam-direction"))
   {

@@ -15,15 +15,16 @@
 
 namespace mammoray
 {
-/// A closed surface of one material, and where it stands.
+/// A surface, and where it stands.
 struct SurfaceSample
 {
   /// Names the sample in messages: "scene.json: samples[0]".
   std::string Name;
-  /// See ReadSurface.
+  /// See ReadSurface; also a mesh of tetrahedra where Material is empty.
   std::string File;
-  /// One of the material table, by name, or its composition, "Ti90Al6V4@4.43", with the density in
-  /// g/cm3 where the composition does not imply it (see FindComposition).
+  /// What closed surfaces enclose: one of the material table, by name, or its composition,
+  /// "Ti90Al6V4@4.43", with the density in g/cm3 where the composition does not imply it (see
+  /// FindComposition). Empty: the labels of the surface are those of the table.
   std::string Material;
   /// Unit of the file's numbers, mm, positive. Default: 1, and 1000 for glTF, which has metres.
   std::optional<double> UnitMm;
@@ -32,6 +33,10 @@ struct SurfaceSample
   Vector3 RotationAxis{ 0, 0, 1 };
   double RotationDeg = 0;
   Vector3 TranslationMm{ 0, 0, 0 };
+  /// The contents of the file (ReadSurfaces), or what stands for them, mm; and names of its labels,
+  /// as MaterialTable::FitMesh takes them.
+  std::shared_ptr<const SurfaceMesh> Surface;
+  std::vector<std::string> MaterialNames;
 };
 
 /// A scene as files and options describe it: with the names of what is to be read.
@@ -43,7 +48,7 @@ struct MAMMORAYIO_EXPORT SceneDescription
   /// Unit of its numbers, as LengthUnitMm has it. Empty: that of its format.
   std::string MeshUnit;
   std::vector<SurfaceSample> Samples;
-  /// Material table: a path or the name of a shipped one.
+  /// Material table: a path or the name of a shipped one; or the JSON of a table.
   std::string Materials;
   /// Other attenuations of the table's materials, by their names: "ATTENUATION[@DENSITY]", g/cm3.
   std::map<std::string, std::string> Attenuations;
@@ -52,9 +57,11 @@ struct MAMMORAYIO_EXPORT SceneDescription
   /// Scene::OverlapPriority by name.
   std::vector<std::string> OverlapPriority;
 
-  /// X-rays: an energy, else the tube where it has an anode, else a spectrum (a path or the name of
-  /// a shipped one).
+  /// X-rays: an energy; else energies, keV, with numbers of photons; else the tube where it has an
+  /// anode; else a spectrum (a path or the name of a shipped one).
   std::optional<double> EnergyKeV;
+  std::vector<double> EnergiesKeV;
+  std::vector<double> Photons;
   XRayTube Tube{ .Anode = "" };
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// Layers in the beam, as XRayFilter::FromText reads them.
@@ -73,6 +80,9 @@ struct MAMMORAYIO_EXPORT SceneDescription
   Scene Fixed{
     .Detector = { .ColumnStep = { 1, 0, 0 }, .RowStep = { 0, 1, 0 }, .Columns = 720, .Rows = 1080 }
   };
+
+  /// Whether what no key gives is that of a modern mammography unit (CompleteUnit).
+  bool IsRealistic = false;
 
   /// Keys that were given, "detector.photons".
   std::vector<std::string> Keys;
@@ -107,6 +117,8 @@ struct SceneQuantity
     File,
     /// A file, or the name of a shipped one.
     FileOrName,
+    /// The same, or an object that is what such a file holds.
+    Table,
     Sample
   };
   /// How often people set it by hand. Daily and expert quantities are options of programs; rare
@@ -177,12 +189,24 @@ MAMMORAYIO_EXPORT std::string WriteScene(const SceneDescription& description);
 /// The X-rays behind all filters. Throws InputError.
 MAMMORAYIO_EXPORT Spectrum FindSpectrum(const SceneDescription& description);
 
+/// Gives a description that IsRealistic what a modern mammography unit has and no key gives:
+/// tungsten tube of 29 kV with 0.05 mm Rh, heel and inverse square, scatter of kernels behind a
+/// grid, blur and noise.
+MAMMORAYIO_EXPORT void CompleteUnit(SceneDescription& description);
+
+/// Reads the files of surfaces that are not there yet; the mesh becomes a sample. Throws
+/// InputError, which names the sample, also on one that reaches farther than a kilometre.
+MAMMORAYIO_EXPORT void ReadSurfaces(SceneDescription& description);
+
 /**
- * The scene with its meshes, tables and spectra. Photons are followed through voxels, which are not
- * made here. Throws InputError, which names the sample, on an unknown material, a surface of
- * several and one that reaches farther than a kilometre.
+ * The scene of a description whose surfaces are there, with its tables and spectra. Photons are
+ * followed through voxels, which are not made here. Throws InputError, which names the sample, on
+ * an unknown material and a surface of several.
  */
-MAMMORAYIO_EXPORT Scene LoadScene(const SceneDescription& description);
+MAMMORAYIO_EXPORT Scene MakeScene(SceneDescription description);
+
+/// ReadSurfaces, then MakeScene.
+MAMMORAYIO_EXPORT Scene LoadScene(SceneDescription description);
 
 /// Reads and loads a scene that is complete: it has samples, a source and a detector. Its dose,
 /// which needs voxels, is not asked for. Throws InputError where something is missing.

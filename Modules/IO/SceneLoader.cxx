@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the description of a scene to its meshes, tables and spectra.
-#include "Private/SceneTable.h"
+// From the description of a scene to its tables and spectra.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MaterialTableIO.h"
-#include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Composition.h"
-
-#include "vtkPolyData.h"
-#include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,52 +57,45 @@ int MaterialFor(const SurfaceSample& sample, MaterialTable& table)
 void AddSample(const SurfaceSample& sample, Scene& scene)
 {
   SceneSample placed;
-  placed.Material = MaterialFor(sample, scene.Materials);
-  auto part = std::make_shared<SurfaceMesh>(ReadSurface(sample.File));
-  const auto several = [](const std::vector<std::uint16_t>& sides)
-  { return std::any_of(sides.begin(), sides.end(), [](std::uint16_t side) { return side > 1; }); };
-  if (several(part->BackMaterials) || several(part->FrontMaterials))
+  if (sample.Material.empty())
   {
-    throw InputError(sample.Name +
-        ": expected a surface of one material, found several, as of a mesh with a table",
-      { "File", sample.File, { "Mesh" } });
+    if (scene.Materials.Materials.size() < 2)
+    {
+      throw InputError(
+        sample.Name + ".material: expected one, or materials of the scene, found neither");
+    }
+    auto fitted = std::make_shared<SurfaceMesh>(*sample.Surface);
+    scene.Materials.FitMesh(*fitted, sample.MaterialNames, sample.Name);
+    placed.Surface = std::move(fitted);
   }
-  ScaleSurface(sample.File, sample.UnitMm, sample.Name, *part);
-  placed.Surface = std::move(part);
+  else
+  {
+    placed.Material = MaterialFor(sample, scene.Materials);
+    const auto several = [](const std::vector<std::uint16_t>& sides) {
+      return std::any_of(sides.begin(), sides.end(), [](std::uint16_t side) { return side > 1; });
+    };
+    if (several(sample.Surface->BackMaterials) || several(sample.Surface->FrontMaterials))
+    {
+      throw InputError(sample.Name +
+          ": expected a surface of one material, found several, as of a mesh with a table",
+        { "File", sample.File, { "Mesh" } });
+    }
+    placed.Surface = sample.Surface;
+  }
   placed.Rotation =
     (sample.RotationDeg * std::numbers::pi / 180 / Norm(sample.RotationAxis)) * sample.RotationAxis;
   placed.TranslationMm = sample.TranslationMm;
   scene.Samples.push_back(std::move(placed));
 }
 
-/// The interfaces of a mesh's file, whose materials are those of the scene's table.
-void AddMesh(const std::string& path, const std::string& unit, Scene& scene)
-{
-  MeshOrSurface read = ReadMeshOrSurface(path);
-  if (read.Volume)
-  {
-    try
-    {
-      read.Surface = ExtractInterfaces(FromGrid(read.Volume, &read.MaterialNames));
-    }
-    catch (const InputError& error)
-    {
-      throw InputError(path + ": " + error.what());
-    }
-  }
-  auto surface = std::make_shared<SurfaceMesh>(std::move(read.Surface));
-  if (!unit.empty())
-  {
-    ScaleSurface(path, LengthUnitMm(unit), path, *surface);
-  }
-  scene.Materials.FitMesh(*surface, read.MaterialNames, path);
-  scene.Samples.push_back({ std::move(surface) });
-}
-
 MaterialTable MaterialsOf(const SceneDescription& description)
 {
-  MaterialTable table =
-    description.Materials.empty() ? MaterialTable() : FindMaterialTable(description.Materials);
+  MaterialTable table;
+  if (!description.Materials.empty())
+  {
+    table = description.Materials.starts_with('{') ? ParseMaterialTable(description.Materials)
+                                                   : FindMaterialTable(description.Materials);
+  }
   const auto named = [&table](const std::string& name) -> Material&
   { return table.Materials[static_cast<std::size_t>(table.IndexOf(name))]; };
   for (const auto& [name, text] : description.Attenuations)
@@ -157,7 +144,9 @@ Spectrum FindSpectrum(const SceneDescription& description)
     return TubeSpectrum(tube);
   }
   Spectrum spectrum = description.EnergyKeV ? Spectrum::Monochromatic(*description.EnergyKeV)
-                                            : FindSpectrum(description.Spectrum);
+    : description.EnergiesKeV.empty()
+    ? FindSpectrum(description.Spectrum)
+    : Spectrum{ "spectrum", description.EnergiesKeV, description.Photons };
   for (const XRayFilter& filter : filters)
   {
     spectrum = FilterSpectrum(spectrum, filter);
@@ -165,8 +154,41 @@ Spectrum FindSpectrum(const SceneDescription& description)
   return spectrum;
 }
 
-Scene LoadScene(const SceneDescription& description)
+void CompleteUnit(SceneDescription& scene)
 {
+  if (!scene.IsRealistic)
+  {
+    return;
+  }
+  const auto standard = [&scene](const char* key, const char* value)
+  {
+    if (!scene.Has(key))
+    {
+      SetQuantity({ "realistic", key, { value } }, scene);
+    }
+  };
+  if (!scene.Has("beam.kev") && !scene.Has("beam.energies") && !scene.Has("beam.spectrum") &&
+    !scene.Has("beam.tube"))
+  {
+    standard("beam.tube", "W");
+    standard("beam.kvp", "29");
+    standard("beam.filter", "Rh:0.05");
+  }
+  standard("source.inverse-square", "true");
+  standard("source.heel.angle", "20");
+  standard("scatter.method", "kernels");
+  standard("scatter.grid.ratio", "5");
+  standard("detector.half-modulation", "5");
+  standard("detector.electronic-noise", "5");
+  if (!scene.Has("detector.photons"))
+  {
+    scene.Fixed.Detection.PhotonsPerPixel = 2e7 * scene.PixelSpacingMm * scene.PixelSpacingMm;
+  }
+}
+
+Scene MakeScene(SceneDescription description)
+{
+  CompleteUnit(description);
   description.Validate();
   Scene scene = description.Fixed;
   scene.Detector.ColumnStep = description.PixelSpacingMm * scene.Detector.ColumnStep;
@@ -174,10 +196,6 @@ Scene LoadScene(const SceneDescription& description)
   scene.Materials = MaterialsOf(description);
   scene.XRays = FindSpectrum(description);
   scene.Response = ResponseOf(description);
-  if (!description.Mesh.empty())
-  {
-    AddMesh(description.Mesh, description.MeshUnit, scene);
-  }
   for (const SurfaceSample& sample : description.Samples)
   {
     AddSample(sample, scene);
@@ -195,24 +213,6 @@ Scene LoadScene(const SceneDescription& description)
   {
     scene.Scatter.Kernels = std::make_shared<const ScatterKernels>(FindScatterKernels());
   }
-  return scene;
-}
-
-Scene LoadScene(const std::string& path)
-{
-  const SceneDescription description = ReadScene(path);
-  const auto require = [&](bool isThere, const char* expected)
-  {
-    if (!isThere)
-    {
-      throw InputError(path + ": expected " + expected + ", found none");
-    }
-  };
-  require(description.HasSource(), "source.position or source.beam-direction");
-  require(description.HasDetector(), "detector.origin");
-  require(!description.Mesh.empty() || !description.Samples.empty(), "samples or a mesh");
-  Scene scene = LoadScene(description);
-  scene.Dose = false;
   return scene;
 }
 }

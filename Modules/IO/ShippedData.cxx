@@ -4,13 +4,16 @@
 #include "Private/AttenuationTableIO.h"
 #include "Private/SpectrumIO.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <vector>
 
 #include <dlfcn.h>
@@ -77,6 +80,36 @@ std::string FindDataFile(const std::string& pathOrName, const std::string& what,
   }
   return path.string();
 }
+
+/// "0.05/mm", or "20:0.05 30:0.02/mm" by keV.
+AttenuationTable ParseLinearAttenuation(const std::string& text)
+{
+  AttenuationTable table{ .Name = text };
+  std::istringstream words(text.substr(0, text.size() - 3));
+  for (std::string word; words >> word;)
+  {
+    const std::size_t colon = word.find(':');
+    double energy = 0;
+    double value = NAN;
+    const bool isByEnergy = colon != std::string::npos && ToNumber(word.substr(0, colon), energy);
+    if ((colon != std::string::npos && !isByEnergy) ||
+      !ToNumber(word.substr(isByEnergy ? colon + 1 : 0), value))
+    {
+      throw InputError(
+        "attenuation '" + text + "': expected numbers, as 0.05/mm, found '" + word + "'");
+    }
+    table.EnergiesKeV.push_back(energy);
+    table.MuPerMm.push_back(value);
+  }
+  if (table.EnergiesKeV == std::vector<double>{ 0 })
+  {
+    // Beyond all energies of beams.
+    table.EnergiesKeV = { 0.1, 1000 };
+    table.MuPerMm.push_back(table.MuPerMm.front());
+  }
+  table.Validate();
+  return table;
+}
 }
 
 std::string DataDirectory()
@@ -111,6 +144,10 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   if (!name.empty() && name.find('/') == std::string::npos && fs::exists(path))
   {
     return ReadAttenuationTable(path.string());
+  }
+  if (name.ends_with("/mm"))
+  {
+    return ParseLinearAttenuation(name);
   }
   AttenuationTable table;
   if (FindComposition(name, table))

@@ -19,8 +19,9 @@ namespace mammoray
 MAMMORAYIO_EXPORT std::string DataDirectory();
 
 /**
- * Returns the table attenuation/NAME.csv of the data directory, or that of the composition which
- * the name spells (see FindComposition). Otherwise throws InputError with similar or all names.
+ * Returns the table attenuation/NAME.csv of the data directory; or numbers, "0.05/mm" for all
+ * energies or "20:0.05 30:0.02/mm" by keV; or the table of the composition which the name spells
+ * (see FindComposition). Otherwise throws InputError with similar or all names.
  */
 MAMMORAYIO_EXPORT AttenuationTable FindAttenuationTable(const std::string& name);
 

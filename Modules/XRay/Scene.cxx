@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mammoray
 {
@@ -120,5 +121,29 @@ std::shared_ptr<const SurfaceMesh> Assemble(const Scene& scene)
     }
   }
   return all;
+}
+
+void PlaceAround(Scene& scene)
+{
+  const std::array<Extent, 3> box =
+    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, Assemble(scene)->Points);
+  const double diagonal = Norm({ box[0].Length(), box[1].Length(), box[2].Length() });
+  if (!(diagonal > 0) || !std::isfinite(diagonal))
+  {
+    throw InputError("scene: expected surfaces with an extent, found none");
+  }
+  constexpr double Before = 4;
+  constexpr double Behind = 1.5;
+  // A tenth wider than the shadow of the sphere around the box.
+  const double width = 1.1 * diagonal * (Before + Behind) / Before;
+  const Vector3 middle{ box[0].Middle(), box[1].Middle(), box[2].Middle() };
+  scene.Source.Type = XRaySource::Kind::Point;
+  scene.Source.Position = middle - Vector3{ 0, Before * diagonal, 0 };
+  XRayDetector& detector = scene.Detector;
+  const double spacing = width / std::min(detector.Columns, detector.Rows);
+  detector.ColumnStep = { spacing, 0, 0 };
+  detector.RowStep = { 0, 0, -spacing };
+  detector.Origin = middle + Vector3{ 0, Behind * diagonal, 0 } -
+    0.5 * ((detector.Columns - 1) * detector.ColumnStep + (detector.Rows - 1) * detector.RowStep);
 }
 }

@@ -113,6 +113,14 @@ MAMMORAYXRAY_EXPORT Beam MakeBeam(const Scene& scene, const std::vector<bool>& u
 /// sample that is labelled and not moved is not copied. Throws InputError where a sample has no
 /// surface or an unknown material.
 MAMMORAYXRAY_EXPORT std::shared_ptr<const SurfaceMesh> Assemble(const Scene& scene);
+
+/**
+ * Places source and detector where nobody says where: the source four times the diagonal d of the
+ * samples' box before its middle, looking along +y, the detector 1.5 d behind it, with columns
+ * along +x and rows along -z; its square pixels, as many as it has, hold the samples however they
+ * turn. Throws InputError where the surface has no extent.
+ */
+MAMMORAYXRAY_EXPORT void PlaceAround(Scene& scene);
 }
 
 #endif

@@ -146,7 +146,8 @@ TEST(LiveProjection, PlacesSourceAndDetectorAroundTheSamples)
     GTEST_SKIP() << "no Vulkan device";
   }
   ViewedScene scene = SmallBox();
-  scene.PlaceAround();
+  scene.Scene.Detector.Columns = scene.Scene.Detector.Rows = 512;
+  PlaceAround(scene.Scene);
   LiveProjection live(scene, {});
   for (const double turn : { 0.0, 27.0, 63.0, 90.0 })
   {
@@ -192,7 +193,7 @@ TEST(LiveProjection, PlacesSourceAndDetectorAroundTheSamples)
   SurfaceMesh point = *scene.Scene.Samples[0].Surface;
   point.Points.assign(point.Points.size(), 1.0);
   scene.Scene.Samples = { { std::make_shared<const SurfaceMesh>(point) } };
-  EXPECT_THROW(scene.PlaceAround(), InputError);
+  EXPECT_THROW(PlaceAround(scene.Scene), InputError);
 }
 
 TEST(PaneOverlay, LengthsKeepTheirDigits)

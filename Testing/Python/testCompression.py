@@ -45,9 +45,9 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
 materials = {1: mammoray.Material(youngs_modulus=6, poisson_ratio=0.48), 2: mammoray.Material(fixed=True),
              3: mammoray.Material(youngs_modulus=12, poisson_ratio=0.48)}
 fine = mammoray.mesh(labels, (2, 2, 2), origin=origin, materials=materials, cell_size=2.2)
-assert len(fine.tetrahedra) > 20000
+assert len(fine.cells) > 20000
 told = []
-carried = mammoray.compress(fine.points, fine.tetrahedra, fine.regions, materials=materials, orientation="LAS", thickness=50,
+carried = mammoray.compress(fine.points, fine.cells, fine.regions, materials=materials, orientation="LAS", thickness=50,
                             progress=told.append)
 front = carried.points[carried.points[:, 1] > 12]
 assert carried.thickness == 50 and numpy.ptp(front[:, 2]) < 50.5 and max(told) <= 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""testPip.py PROJECT: the projector alone by pip, offline, in an environment of its own; what it is tested by is testProject.py.
+"""testPip.py PROJECT: the projector alone by pip, offline, in an environment of its own; what it is tested by is testScene.py.
 Exit 125: not asked for (MAMMORAY_LONG_TESTS), or nothing to build it with."""
 import importlib.util
 import os
@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as name:
     python = folder / "xray/bin/python3"
     subprocess.run([python, "-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-deps", "."], cwd=folder, check=True,
                    env=environment)
-    shutil.copy(pathlib.Path(__file__).parent / "testProject.py", folder / "xray")
+    shutil.copy(pathlib.Path(__file__).parent / "testScene.py", folder / "xray")
     # Away from the sources, whose tables it must not need.
     shutil.rmtree(folder / "Data")
-    sys.exit(subprocess.run([python, folder / "xray/testProject.py"], cwd="/", env=environment, check=False).returncode)
+    sys.exit(subprocess.run([python, folder / "xray/testScene.py"], cwd="/", env=environment, check=False).returncode)

@@ -102,20 +102,21 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
 
     # The same by arrays gives the same: the same programs work on the same numbers.
     rest = mammoray.mesh(labels, (2, 2, 2), origin=origin, materials=table.name, cell_size=8)
-    assert (rest.points == points(mesher.GetOutput())).all() and (rest.tetrahedra == cells(mesher.GetOutput())).all()
+    assert (rest.points == points(mesher.GetOutput())).all() and (rest.cells == cells(mesher.GetOutput())).all()
     assert rest.names == ("air", "fat", "gland", "wall")
     grids = {"finer": finer.GetOutput(), "coarse": coarse.GetOutput()}
     simulated = {name: (points(grid), cells(grid), vtk_to_numpy(grid.GetCellData().GetArray("Material")))
                  for name, grid in grids.items()}
-    squeezed = mammoray.compress(rest.points, rest.tetrahedra, rest.regions, materials=table.name, orientation="LAS",
+    squeezed = mammoray.compress(rest.points, rest.cells, rest.regions, materials=table.name, orientation="LAS",
                                  simulation_mesh=simulated["finer"], **TRUTH)
     # Threads add in another order.
     assert numpy.allclose(squeezed.points, points(compression.GetOutput()), rtol=0, atol=1e-6)
     assert squeezed.thickness == TRUTH["thickness"] and squeezed.force > 0
     assert numpy.allclose(squeezed.points - rest.points, squeezed.displacement)
-    picture = mammoray.project(squeezed.points, rest.tetrahedra, rest.regions, materials=table.name, source=squeezed.placement.source(),
-                               detector=squeezed.placement.detector(90, 180), spectrum="W30kVp_Rh50um_Be1mm")
-    pixels = pixels[::-1]  # the first row on top, as project gives it
+    pressed = mammoray.Mesh(squeezed.points, rest.cells, rest.regions, rest.names)
+    picture = mammoray.Scene(pressed, materials=table.name, source=squeezed.placement.source(), beam=mammoray.Beam("W30kVp_Rh50um_Be1mm"),
+                             detector=squeezed.placement.detector(90, 180)).expose()
+    pixels = pixels[::-1]  # the first row on top, as an Exposure has it
     assert numpy.allclose(10000 * picture.transmission, pixels, rtol=0, atol=1e-2)
     again = mammoray.register(
         rest,
@@ -127,7 +128,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
         assert abs(again.parameters[name] - value) < 1e-3, (name, again.parameters[name], value)
     assert again.converged and again.covariance.shape == (9, 9) and again.sensitivities["roll"].shape == rest.points.shape
     assert numpy.allclose(again.points, points(result), rtol=0, atol=1e-3)
-    assert (again.tetrahedra == rest.tetrahedra).all() and (again.regions == rest.regions).all()
+    assert (again.tetrahedra == rest.cells).all() and (again.regions == rest.regions).all()
     strings = {name: result.GetFieldData().GetAbstractArray(name) for name in ("Trust", "TrustReasons")}
     assert again.trust == strings["Trust"].GetValue(0) and len(again.trust_reasons) == strings["TrustReasons"].GetNumberOfValues()
     assert numpy.allclose(again.expected_error, field(result, "ExpectedErrorMm"), rtol=0, atol=1e-3)

@@ -3,12 +3,13 @@
 import mammoray
 import numpy
 
-image = mammoray.project(numpy.zeros((3, 3)), [(0, 1, 2)], materials={1: 0.05}, source=(0, 0, 1),
-                         detector=mammoray.Detector((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 1))
+scene = mammoray.Scene(mammoray.Sample(mammoray.Mesh(numpy.zeros((3, 3)), [(0, 1, 2)]), 0.05), source=mammoray.Source((0, 0, 1)),
+                       detector=mammoray.Detector((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 1), beam=mammoray.Beam(tube="W", kvp=30, filters=["Al:1"]))
+image = scene.expose()
 pixels: numpy.ndarray = image.transmission
 thickness: float = mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre").thickness
 mammoray.vtkXRayProjector().SetSamples(3)
-mammoray.project(numpy.zeros((3, 3)), [(0, 1, 2)], materials={1: 0.05}, source=(0, 0, 1))  # wrong: no detector
+mammoray.Beam(tube="W", kpv=30)  # wrong: a name
 mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre", thicknes=3)  # wrong: a name
 mammoray.vtkXRayProjector().SetSamples("three")  # wrong: a type
 name: int = mammoray.__version__  # wrong: a type

@@ -1,22 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// The projector for Python, without VTK. mammoray/_projection.py is what users call: it looks at
-// shapes and types before, so that what arrives here fits.
+// X-rays for Python, without VTK unless MAMMORAY_WITH_SCENES is defined. mammoray/_scene.py is what
+// users call: it looks at shapes and types before, so that what arrives here fits.
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/Meshes.h"
-#ifdef MAMMORAY_WITH_SCENES
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
-#endif
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposer.h"
+#include "mammoray/XRay/OverlapMeasure.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/ProjectionSeries.h"
 #include "mammoray/XRay/Shadow.h"
+#include "mammoray/XRay/Tube.h"
+#ifdef MAMMORAY_WITH_SCENES
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/ProjectionImage.h"
+
+#include "vtkImageData.h"
+#include "vtkUnstructuredGrid.h"
+#endif
+#ifdef MAMMORAY_HAS_MESHING
+#include "mammoray/Meshing/SurfaceMesher.h"
+#endif
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -44,72 +60,41 @@ py::array_t<Value> ToArray(const std::vector<Value>& values, const std::vector<p
   return py::array_t<Value>(shape, values.data());
 }
 
-/// Asks between pieces of work whether Ctrl-C was pressed.
-bool GoesOn(double /*fraction*/, const char* /*stage*/)
+/// Reports progress to Python, and asks between pieces of work whether Ctrl-C was pressed.
+ProgressCallback Reporting(const py::object& progress)
 {
-  const py::gil_scoped_acquire held;
-  return PyErr_CheckSignals() == 0;
-}
-
-/// Table and density (0: its own) of a material; or, where the table has no name, its linear
-/// attenuation at each energy, 1/mm. Without both the region is not in the mesh.
-using Attenuation = std::tuple<std::string, double, std::vector<double>>;
-
-/// `attenuations`: of regions 1, 2, ... The scene has no samples: the projector has them.
-Scene MakeScene(const std::vector<double>& energies, const std::vector<double>& photons,
-  bool counting, const std::vector<Attenuation>& attenuations)
-{
-  Scene scene;
-  scene.XRays.EnergiesKeV = energies;
-  scene.XRays.Weights = photons;
-  scene.XRays.Validate();
-  scene.Response =
-    counting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
-  scene.Materials.Materials.push_back({ .Name = "air" });
-  scene.Attenuations.emplace_back();
-  for (const auto& [name, density, coefficients] : attenuations)
+  return [&progress](double fraction, const char* stage)
   {
-    const std::string region = "region " + std::to_string(scene.Attenuations.size());
-    scene.Attenuations.push_back(!name.empty() ? FindAttenuationTable(name)
-        : coefficients.empty()                 ? AttenuationTable()
-                               : AttenuationTable{ region, 1, energies, coefficients });
-    scene.Materials.Materials.push_back({ .Name = region,
-      .Attenuation = name,
-      .DensityGPerCm3 = scene.Attenuations.back().DensityOf(density) });
-  }
-  return scene;
+    const py::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() != 0)
+    {
+      return false;
+    }
+    if (!progress.is_none())
+    {
+      try
+      {
+        progress(fraction, stage);
+      }
+      catch (py::error_already_set& error)
+      {
+        error.restore();
+        return false;
+      }
+    }
+    return true;
+  };
 }
 
-/// What _projection.Projection is made of.
-py::dict ToDict(const Scene& scene, const Exposure& exposure)
-{
-  const PathLengthImage& lengths = *exposure.Lengths;
-  py::dict result;
-  result["transmission"] = ToArray(exposure.Transmission, { lengths.Rows, lengths.Columns });
-  result["log_attenuation"] = ToArray(exposure.LogAttenuation, { lengths.Rows, lengths.Columns });
-  result["path_lengths"] =
-    ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
-  result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
-  const std::string holes = lengths.InconsistencyWarning();
-  result["warning"] = holes.empty() ? ShadowWarning(scene, exposure) : holes;
-  if (!exposure.Deflection.empty())
-  {
-    result["deflection"] = ToArray(exposure.Deflection, { 2, lengths.Rows, lengths.Columns });
-  }
-  return result;
-}
-
-/// A mesh on a device.
-class MeshProjector
+/// A surface whose points move, and the points of the mesh that they were taken from.
+class MovingSurface
 {
 public:
   /// `corners`: m x 3 or m x 4; `regions`: m x 2, front and back of triangles, or m x 1, of
   /// tetrahedra.
-  MeshProjector(const Array<double>& points, const Array<std::int32_t>& corners,
-    const Array<std::uint16_t>& regions, const std::string& method, const std::string& device)
-    : Device({ .Projection = MethodFromName(method), .Device = device })
+  MovingSurface(const Array<double>& points, const Array<std::int32_t>& corners,
+    const Array<std::uint16_t>& regions)
   {
-    this->Device.DeviceName(); // opens it
     SurfaceMesh surface;
     if (corners.shape(1) == 4)
     {
@@ -131,46 +116,16 @@ public:
       }
     }
     surface.Validate("mesh");
-    this->Show(std::move(surface));
+    this->Now = std::make_shared<const SurfaceMesh>(std::move(surface));
+    this->MeshPoints = points.shape(0);
   }
 
   void Move(const Array<double>& points)
   {
-    SurfaceMesh moved = *this->Surface;
-    moved.Points = this->OfSurface(points.data());
-    moved.Validate("mesh");
-    this->Show(std::move(moved));
-  }
-
-  /// `velocities`: fields x points x 3.
-  py::dict Project(Scene scene, const std::optional<Array<double>>& velocities)
-  {
-    scene.Samples = { { this->Surface } };
-    Exposure exposure;
-    {
-      const py::gil_scoped_release released;
-      exposure = this->Device.Expose(scene, GoesOn);
-    }
-    py::dict result = ToDict(scene, exposure);
-    if (velocities)
-    {
-      this->AddDerivatives(scene, *velocities, result);
-    }
-    return result;
-  }
-
-  std::string DeviceName() { return this->Device.DeviceName(); }
-  std::string Method() { return MethodName(this->Device.Method()); }
-
-private:
-  /// Brings the mesh onto the device.
-  void Show(SurfaceMesh surface)
-  {
-    Scene scene;
-    scene.Samples = { { std::make_shared<const SurfaceMesh>(std::move(surface)) } };
-    const py::gil_scoped_release released;
-    this->Device.Load(scene);
-    this->Surface = scene.Samples.front().Surface;
+    auto moved = std::make_shared<SurfaceMesh>(*this->Now);
+    moved->Points = this->OfSurface(points.data());
+    moved->Validate("mesh");
+    this->Now = std::move(moved);
   }
 
   /// Of all points of the mesh, those of the surface: it has fewer where it was taken from
@@ -179,63 +134,312 @@ private:
   {
     if (this->PointIds.empty())
     {
-      return { values, values + this->Surface->Points.size() };
+      return { values, values + this->Now->Points.size() };
     }
     std::vector<double> chosen;
     chosen.reserve(3 * this->PointIds.size());
     for (const std::int32_t point : this->PointIds)
     {
-      chosen.insert(chosen.end(), values + 3 * static_cast<std::ptrdiff_t>(point),
-        values + 3 * static_cast<std::ptrdiff_t>(point) + 3);
+      const double* const first = values + 3 * static_cast<std::ptrdiff_t>(point);
+      chosen.insert(chosen.end(), first, first + 3);
     }
     return chosen;
   }
 
-  void AddDerivatives(const Scene& scene, const Array<double>& velocities, py::dict& result)
-  {
-    const auto fields = static_cast<int>(velocities.shape(0));
-    VectorFields moving;
-    moving.Length = this->Surface->Points.size();
-    for (int field = 0; field < fields; ++field)
-    {
-      const std::vector<double> one = this->OfSurface(velocities.data(field));
-      moving.Values.insert(moving.Values.end(), one.begin(), one.end());
-    }
-    Exposer::Derivatives derivatives;
-    {
-      const py::gil_scoped_release released;
-      derivatives = this->Device.Differentiate(scene, moving);
-    }
-    const PathLengthDerivatives& lengths = derivatives.Lengths;
-    result["path_length_derivatives"] =
-      ToArray(lengths.Lengths, { fields, lengths.Materials, lengths.Rows, lengths.Columns });
-    result["mean_attenuation"] =
-      ToArray(derivatives.MeanAttenuation, { lengths.Materials, lengths.Rows, lengths.Columns });
-  }
+  std::shared_ptr<const SurfaceMesh> Surface() const { return this->Now; }
+  /// Of the mesh.
+  py::ssize_t NumberOfPoints() const { return this->MeshPoints; }
 
-  Exposer Device;
-  std::shared_ptr<const SurfaceMesh> Surface;
+private:
+  py::ssize_t MeshPoints = 0;
+  std::shared_ptr<const SurfaceMesh> Now;
   std::vector<std::int32_t> PointIds;
 };
 
-#ifdef MAMMORAY_WITH_SCENES
-py::dict ProjectScene(const std::string& path, const std::string& method, const std::string& device)
-{
-  Scene scene;
-  Exposure exposure;
-  {
-    const py::gil_scoped_release released;
-    scene = LoadScene(path);
-    exposure =
-      Exposer({ .Projection = MethodFromName(method), .Device = device }).Expose(scene, GoesOn);
-  }
-  py::dict result = ToDict(scene, exposure);
-  result["names"] = scene.Materials.Names();
-  return result;
-}
-#endif
+/// Name in messages, key of scene files, and texts.
+using Setting = std::tuple<std::string, std::string, std::vector<std::string>>;
+/// Name in messages, surface, material's text, names of the surface's labels.
+using Sample =
+  std::tuple<std::string, std::shared_ptr<MovingSurface>, std::string, std::vector<std::string>>;
+/// Axis, degrees, translation.
+using Placing = std::tuple<Vector3, double, Vector3>;
 
-/// What a material table says, as _projection.Material takes it.
+SceneDescription Describe(const std::vector<Setting>& settings)
+{
+  SceneDescription description;
+  for (const auto& [name, key, values] : settings)
+  {
+    SetQuantity({ name, key, values }, description);
+  }
+  return description;
+}
+
+/// A scene whose surfaces move and are placed.
+class PlacedScene
+{
+public:
+  PlacedScene(const std::vector<Setting>& settings, const std::vector<Sample>& samples)
+  {
+    const NoteKeeper notes;
+    SceneDescription description = Describe(settings);
+    for (const auto& [name, surface, material, names] : samples)
+    {
+      description.Samples.push_back({ .Name = name,
+        .Material = material,
+        .Surface = surface->Surface(),
+        .MaterialNames = names });
+      this->Surfaces.push_back(surface);
+      this->Shown.push_back(surface->Surface());
+    }
+    this->HasSource = description.HasSource();
+    this->HasDetector = description.HasDetector();
+    this->VoxelMm = description.VoxelMm;
+    if (!this->HasDetector)
+    {
+      // A mammography unit's are the default of files.
+      int& columns = description.Fixed.Detector.Columns;
+      int& rows = description.Fixed.Detector.Rows;
+      columns = description.Has("detector.columns") ? columns : 512;
+      rows = description.Has("detector.rows") ? rows : 512;
+    }
+    auto scene = std::make_shared<Scene>(MakeScene(std::move(description)));
+    scene->Validate();
+    this->Current = std::move(scene);
+    this->Notes = notes.Lines();
+  }
+
+  /// Brings surfaces where they are now.
+  void Place(const std::vector<Placing>& placings)
+  {
+    std::vector<SceneSample> samples = this->Current->Samples;
+    bool isNew = false;
+    for (std::size_t index = 0; index < samples.size(); ++index)
+    {
+      SceneSample& sample = samples[index];
+      const auto& [axis, degrees, translation] = placings[index];
+      const double length = Norm(axis);
+      const Vector3 rotation = (degrees * std::numbers::pi / 180 / length) * axis;
+      isNew = isNew || rotation != sample.Rotation || translation != sample.TranslationMm;
+      sample.Rotation = rotation;
+      sample.TranslationMm = translation;
+      const std::shared_ptr<const SurfaceMesh> now = this->Surfaces[index]->Surface();
+      if (now != this->Shown[index])
+      {
+        // Its labels may be others than the mesh's: those of the scene's table.
+        auto moved = std::make_shared<SurfaceMesh>(*sample.Surface);
+        moved->Points = now->Points;
+        sample.Surface = std::move(moved);
+        this->Shown[index] = now;
+        isNew = true;
+      }
+    }
+    const bool isPlaced = this->HasSource || this->HasDetector;
+    if (!isNew && (isPlaced || this->IsAround))
+    {
+      return;
+    }
+    auto scene = std::make_shared<Scene>(*this->Current);
+    scene->Samples = std::move(samples);
+    if (isNew)
+    {
+      scene->Scatter.Voxels.reset();
+    }
+    if (!isPlaced)
+    {
+      // Where it was first: a part that moves would else stand still in its picture.
+      if (!this->IsAround)
+      {
+        PlaceAround(*scene);
+      }
+      this->IsAround = true;
+    }
+    this->Current = std::move(scene);
+  }
+
+  /// What photons are followed through, where they are.
+  void MakeVoxels(const ProgressCallback& progress)
+  {
+    const Scene& scene = *this->Current;
+    if (scene.Scatter.Voxels ||
+      !(scene.Dose || scene.Scatter.Method == SceneScatter::Model::MonteCarlo))
+    {
+      return;
+    }
+#ifdef MAMMORAY_HAS_MESHING
+    auto with = std::make_shared<Scene>(scene);
+    with->Scatter.Voxels =
+      std::make_shared<VoxelScene>(LabelSurfaces(*Assemble(scene), this->VoxelMm, progress),
+        MakePhotonMaterials(scene.Materials));
+    this->Current = std::move(with);
+#else
+    (void)progress;
+    throw InputError("dose, scatter.method: expected a mammoray with Meshing, found one without");
+#endif
+  }
+
+  /// Places of a unit in the frame of the scene: its origin and axes x, y and z.
+  std::array<Vector3, 4> PlaceUnitAround(const std::string& orientation,
+    const std::optional<Vector3>& anchor, double sourceToDetectorMm, double supportHeightMm,
+    const std::vector<double>& pose) const
+  {
+    const AnatomicalAxes axes = AnatomicalAxes::FromCode(orientation);
+    MammographyUnit unit;
+    unit.SourceToDetectorMm = sourceToDetectorMm;
+    unit.SupportHeightMm = supportHeightMm;
+    const BreastPose placed{ pose.at(0), pose.at(1), pose.at(2), pose.at(3), pose.at(4), pose.at(5),
+      pose.at(6), pose.at(7) };
+    const VolumeFromGantry gantry = PlaceUnit(axes,
+      anchor ? *anchor
+             : FindPoseAnchor(*Assemble(*this->Current), this->Current->Materials.Fixed(), axes),
+      unit, placed);
+    return { gantry.Origin, gantry.X, gantry.Y, gantry.Z };
+  }
+
+  /// What is wrong with a picture, or nothing; `wantsAll`: all of it should be on the detector.
+  std::string WarningOf(const Exposure& exposure, bool wantsAll) const
+  {
+    const std::string holes = exposure.Lengths->InconsistencyWarning();
+    return !holes.empty() ? holes : ShadowWarning(*this->Current, exposure, wantsAll);
+  }
+
+  std::shared_ptr<const Scene> Current;
+  std::vector<std::shared_ptr<MovingSurface>> Surfaces;
+  /// What was said while the scene was made.
+  std::vector<std::string> Notes;
+
+private:
+  std::vector<std::shared_ptr<const SurfaceMesh>> Shown;
+  bool HasSource = false;
+  bool HasDetector = false;
+  bool IsAround = false;
+  double VoxelMm = 1;
+};
+
+/// An exposure, and what it was made of.
+struct ExposedScene
+{
+  Exposure Picture;
+  std::shared_ptr<const Scene> Of;
+  std::vector<std::shared_ptr<MovingSurface>> Surfaces;
+  std::shared_ptr<Exposer> Device;
+  std::string Warning;
+
+  /// Velocities of the points of each sample's mesh, fields x points x 3: path lengths, and their
+  /// weight in the log attenuation.
+  py::tuple Differentiate(const std::vector<Array<double>>& velocities) const
+  {
+    const auto fields = static_cast<std::size_t>(velocities.front().shape(0));
+    const std::vector<SceneSample>& samples = this->Of->Samples;
+    std::vector<double> all;
+    std::size_t length = 0;
+    for (std::size_t field = 0; field < fields; ++field)
+    {
+      for (std::size_t index = 0; index < samples.size(); ++index)
+      {
+        std::vector<double> one =
+          this->Surfaces[index]->OfSurface(velocities[index].data(static_cast<py::ssize_t>(field)));
+        for (std::size_t at = 0; at < one.size(); at += 3)
+        {
+          const Vector3 turned =
+            Rotated({ one[at], one[at + 1], one[at + 2] }, samples[index].Rotation);
+          all.insert(all.end(), turned.begin(), turned.end());
+        }
+      }
+      length = field == 0 ? all.size() : length;
+    }
+    const VectorFields moving(std::move(all), length);
+    Exposer::Derivatives derivatives;
+    {
+      const py::gil_scoped_release released;
+      derivatives = this->Device->Differentiate(*this->Of, moving);
+    }
+    const PathLengthDerivatives& lengths = derivatives.Lengths;
+    const auto count = static_cast<py::ssize_t>(fields);
+    return py::make_tuple(
+      ToArray(lengths.Lengths, { count, lengths.Materials, lengths.Rows, lengths.Columns }),
+      ToArray(derivatives.MeanAttenuation, { lengths.Materials, lengths.Rows, lengths.Columns }));
+  }
+};
+
+/// A device with what it keeps. Closed, it opens again when it is used.
+class Camera
+{
+public:
+  Camera(const std::string& method, std::string device)
+    : Options{ .Projection = MethodFromName(method), .Device = std::move(device) }
+  {
+  }
+
+  Exposer& Open()
+  {
+    if (!this->Device)
+    {
+      this->Device = std::make_shared<Exposer>(this->Options);
+    }
+    return *this->Device;
+  }
+  void Close() { this->Device.reset(); }
+
+  /// From elsewhere where there is a view, with noise of the seed plus `number`; `isAir`: nothing
+  /// in the beam.
+  std::unique_ptr<ExposedScene> Expose(PlacedScene& placed,
+    const std::optional<ProjectionView>& view, std::uint64_t number, bool isAir,
+    const py::object& progress)
+  {
+    auto exposed = std::make_unique<ExposedScene>();
+    const ProgressCallback report = Reporting(progress);
+    this->Open();
+    {
+      const py::gil_scoped_release released;
+      placed.MakeVoxels(ShareOf(report, 0, 0.1));
+      exposed->Of = placed.Current;
+      if (view || number > 0)
+      {
+        auto other = std::make_shared<Scene>(*placed.Current);
+        other->Source = view ? view->Source : other->Source;
+        other->Detector = view ? view->Detector : other->Detector;
+        other->Detection.Seed += number;
+        exposed->Of = std::move(other);
+      }
+      exposed->Picture = isAir ? Exposer::ExposeAir(*exposed->Of)
+                               : this->Device->Expose(*exposed->Of, ShareOf(report, 0.1, 1));
+    }
+    exposed->Surfaces = placed.Surfaces;
+    exposed->Device = this->Device;
+    exposed->Warning = isAir ? std::string() : placed.WarningOf(exposed->Picture, false);
+    return exposed;
+  }
+
+  std::string DeviceName() { return this->Open().DeviceName(); }
+  std::string Method() { return MethodName(this->Open().Method()); }
+  std::size_t Traces() const { return this->Device ? this->Device->NumberOfTraces() : 0; }
+
+private:
+  ProjectorOptions Options;
+  std::shared_ptr<Exposer> Device;
+};
+
+/// Middle of the box around a scene.
+Vector3 MiddleOf(const Scene& scene)
+{
+  const auto box =
+    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, Assemble(scene)->Points);
+  return { box[0].Middle(), box[1].Middle(), box[2].Middle() };
+}
+
+/// The views of a turning sample, or of a source that moves over the detector; and where the axis'
+/// shadow crosses the first and the last row.
+py::tuple MakeViews(const PlacedScene& placed, bool isTurn, int number, double spanDeg,
+  const std::optional<Vector3>& point, const Vector3& direction)
+{
+  const Scene& scene = *placed.Current;
+  const AxisLine axis{ point ? *point : MiddleOf(scene), direction };
+  return py::make_tuple(isTurn ? TurnSample(scene.Source, scene.Detector, axis, number, spanDeg)
+                               : SweepSource(scene.Source, scene.Detector, axis, number, spanDeg),
+    axis.Point, ShadowOfAxis(scene.Source, scene.Detector, axis));
+}
+
+/// What a material table says, as _scene.Material takes it.
 py::list Materials(const std::string& pathOrName)
 {
   py::list materials;
@@ -245,6 +449,7 @@ py::list Materials(const std::string& pathOrName)
     entry["name"] = material.Name;
     entry["attenuation"] = material.Attenuation;
     entry["density"] = material.DensityGPerCm3;
+    entry["iodine"] = material.IodineMgPerMl;
     entry["youngs_modulus"] = material.YoungsModulusKPa;
     entry["poisson_ratio"] = material.PoissonRatio;
     entry["fung_exponent"] = material.FungExponent;
@@ -252,6 +457,32 @@ py::list Materials(const std::string& pathOrName)
     materials.append(entry);
   }
   return materials;
+}
+
+/// The declarations of scene files' keys: key, help, kind of value, number of values, unit,
+/// default.
+py::list Quantities()
+{
+  using Kind = SceneQuantity::Kind;
+  py::list quantities;
+  for (const SceneQuantity& quantity : SceneQuantities())
+  {
+    py::dict entry;
+    entry["key"] = quantity.Key;
+    entry["help"] = quantity.Help;
+    entry["unit"] = quantity.Unit;
+    entry["default"] = quantity.Default;
+    entry["words"] = quantity.Words;
+    entry["range"] = quantity.IsNumeric()
+      ? py::object(py::make_tuple(quantity.Least, quantity.Most))
+      : py::object(py::none());
+    entry["is_list"] = quantity.Count != 1;
+    entry["is_text"] =
+      !quantity.IsNumeric() && quantity.Type != Kind::Component && quantity.Type != Kind::Flag;
+    entry["by_material"] = quantity.IsByMaterial;
+    quantities.append(entry);
+  }
+  return quantities;
 }
 
 py::list Devices()
@@ -269,6 +500,67 @@ py::list Devices()
   }
   return devices;
 }
+
+#ifdef MAMMORAY_WITH_SCENES
+/// Points, corners, regions (m x 2, or m of tetrahedra) and names of a mesh, mm; and notes.
+py::tuple ReadMeshFile(const std::string& path, const std::optional<double>& unitMm)
+{
+  const NoteKeeper notes;
+  MeshOrSurface read;
+  SurfaceMesh& surface = read.Surface;
+  std::vector<std::string>& names = read.MaterialNames;
+  TetrahedralMesh mesh;
+  {
+    const py::gil_scoped_release released;
+    read = ReadMeshOrSurface(path);
+    if (read.Volume)
+    {
+      mesh = FromGrid(read.Volume, &names);
+      surface.Points = std::move(mesh.Points);
+    }
+    ScaleSurface(path, unitMm, path, surface);
+  }
+  const auto points =
+    ToArray(surface.Points, { static_cast<py::ssize_t>(surface.NumberOfPoints()), 3 });
+  if (!mesh.Cells.empty())
+  {
+    const auto count = static_cast<py::ssize_t>(mesh.NumberOfCells());
+    return py::make_tuple(points, ToArray(mesh.Cells, { count, 4 }),
+      ToArray(mesh.Materials, { count }), names, notes.Lines());
+  }
+  const auto count = static_cast<py::ssize_t>(surface.NumberOfTriangles());
+  Array<std::uint16_t> sides({ count, py::ssize_t{ 2 } });
+  for (py::ssize_t triangle = 0; triangle < count; ++triangle)
+  {
+    sides.mutable_at(triangle, 0) = surface.FrontMaterials[static_cast<std::size_t>(triangle)];
+    sides.mutable_at(triangle, 1) = surface.BackMaterials[static_cast<std::size_t>(triangle)];
+  }
+  return py::make_tuple(points, ToArray(surface.Triangles, { count, 3 }), sides, names,
+    notes.Lines());
+}
+
+/// Writes a picture; a file of path lengths, or of deflections, where `what` says so.
+void WriteExposure(const ExposedScene& exposed, const std::string& path, const std::string& what)
+{
+  const XRayDetector& detector = exposed.Of->Detector;
+  const py::gil_scoped_release released;
+  WriteProjection(what == "deflection"
+      ? ToDeflectionImage(exposed.Picture, detector)
+      : ToImage(exposed.Picture, detector, exposed.Of->Materials.Names()),
+    path, what == "path lengths");
+}
+
+void WriteStack(const Array<float>& values, double columnMm, double rowMm, const std::string& path)
+{
+  WriteProjectionStack({ .Columns = static_cast<int>(values.shape(2)),
+                         .Rows = static_cast<int>(values.shape(1)),
+                         .Number = static_cast<int>(values.shape(0)),
+                         .ColumnSpacingMm = columnMm,
+                         .RowSpacingMm = rowMm,
+                         .Values = Values<float>(values) },
+    path);
+}
+#endif
 
 /// Throws ours as mammoray._errors has them.
 void Translate(std::exception_ptr thrown)
@@ -299,72 +591,188 @@ void Translate(std::exception_ptr thrown)
     raise("Error", error);
   }
 }
+
+/// An array of the exposure's own memory, which keeps it alive.
+template <typename Value>
+py::array View(const py::object& exposure, const std::vector<Value>& values,
+  const std::vector<py::ssize_t>& shape)
+{
+  py::array_t<Value> array(shape, values.data(), exposure);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+void DeclareExposure(py::module_& module)
+{
+  const auto shape = [](const ExposedScene& exposed) -> std::vector<py::ssize_t> {
+    return { exposed.Picture.Lengths->Rows, exposed.Picture.Lengths->Columns };
+  };
+  py::class_<ExposedScene>(module, "Exposure")
+    .def_property_readonly("transmission",
+      [shape](const py::object& self)
+      {
+        const auto& exposed = self.cast<const ExposedScene&>();
+        return View(self, exposed.Picture.Transmission, shape(exposed));
+      })
+    .def_property_readonly("log_attenuation",
+      [shape](const py::object& self)
+      {
+        const auto& exposed = self.cast<const ExposedScene&>();
+        return View(self, exposed.Picture.LogAttenuation, shape(exposed));
+      })
+    .def_property_readonly("path_lengths",
+      [](const py::object& self)
+      {
+        const auto& exposed = self.cast<const ExposedScene&>();
+        const PathLengthImage& lengths = *exposed.Picture.Lengths;
+        return View(self, lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
+      })
+    .def_property_readonly("inconsistent",
+      [shape](const py::object& self)
+      {
+        const auto& exposed = self.cast<const ExposedScene&>();
+        return View(self, exposed.Picture.Lengths->Inconsistent, shape(exposed));
+      })
+    .def_property_readonly("deflection",
+      [](const py::object& self) -> py::object
+      {
+        const auto& exposed = self.cast<const ExposedScene&>();
+        const PathLengthImage& lengths = *exposed.Picture.Lengths;
+        return exposed.Picture.Deflection.empty()
+          ? py::object(py::none())
+          : View(self, exposed.Picture.Deflection, { 2, lengths.Rows, lengths.Columns });
+      })
+    .def_property_readonly("dose",
+      [](const ExposedScene& exposed) -> py::object
+      {
+        const std::optional<Dose>& dose = exposed.Picture.Absorbed;
+        return dose ? py::object(py::make_tuple(dose->Photons, dose->HeightMm, dose->AirKermaMgy,
+                        dose->MassesG, dose->PerAirKerma, dose->Error))
+                    : py::object(py::none());
+      })
+    .def_property_readonly("names",
+      [](const ExposedScene& exposed) { return exposed.Of->Materials.Names(); })
+    .def_property_readonly("spacing",
+      [](const ExposedScene& exposed)
+      {
+        const XRayDetector& detector = exposed.Of->Detector;
+        return std::pair(Norm(detector.ColumnStep), Norm(detector.RowStep));
+      })
+    .def_property_readonly("points",
+      [](const ExposedScene& exposed)
+      {
+        std::vector<py::ssize_t> counts;
+        for (const std::shared_ptr<MovingSurface>& surface : exposed.Surfaces)
+        {
+          counts.push_back(surface->NumberOfPoints());
+        }
+        return counts;
+      })
+    .def_readonly("warning", &ExposedScene::Warning)
+    .def("display",
+      [shape](const ExposedScene& exposed)
+      { return ToArray(DisplayValues(exposed.Picture, exposed.Of->Detector), shape(exposed)); })
+    .def("derivatives", &ExposedScene::Differentiate)
+    .def("recombine",
+      [shape](const ExposedScene& high, const ExposedScene& low, double weight)
+      { return ToArray(Recombine(low.Picture, high.Picture, weight), shape(high)); });
+#ifdef MAMMORAY_WITH_SCENES
+  module.def("write", &WriteExposure);
+  module.def("write_stack", &WriteStack);
+#endif
+}
+
+void DeclareScene(py::module_& module)
+{
+  py::class_<MovingSurface, std::shared_ptr<MovingSurface>>(module, "Surface")
+    .def(py::init<const Array<double>&, const Array<std::int32_t>&, const Array<std::uint16_t>&>())
+    .def("move", &MovingSurface::Move);
+  py::class_<PlacedScene>(module, "Scene")
+    .def(py::init<const std::vector<Setting>&, const std::vector<Sample>&>())
+    .def("place", &PlacedScene::Place)
+    .def_readonly("notes", &PlacedScene::Notes)
+    .def("place_unit", &PlacedScene::PlaceUnitAround)
+    .def("views", &MakeViews)
+    .def_property_readonly("source",
+      [](const PlacedScene& placed)
+      {
+        const XRaySource& source = placed.Current->Source;
+        const bool isPoint = source.Type == XRaySource::Kind::Point;
+        return std::pair(isPoint, isPoint ? source.Position : source.Direction);
+      })
+    .def_property_readonly("detector",
+      [](const PlacedScene& placed)
+      {
+        const XRayDetector& detector = placed.Current->Detector;
+        return std::tuple(detector.Origin, detector.ColumnStep, detector.RowStep, detector.Columns,
+          detector.Rows);
+      })
+    .def("check",
+      [](const PlacedScene& placed, const ExposedScene& exposed)
+      {
+        const Scene& scene = *placed.Current;
+        const py::gil_scoped_release released;
+        const std::string overlap = scene.OverlapPriority.empty()
+          ? MeasureOverlap(*Assemble(scene), scene.Source, scene.Detector)
+              .Warning(scene.Materials.Names())
+          : std::string();
+        return std::pair(placed.WarningOf(exposed.Picture, true), overlap);
+      })
+    .def("cancelling_weight",
+      [](const PlacedScene& low, const PlacedScene& high, const std::string& first,
+        const std::string& second, double thicknessMm)
+      {
+        const MaterialTable& table = low.Current->Materials;
+        return CancellingWeight(MakeBeam(*low.Current), MakeBeam(*high.Current),
+          table.IndexOf(first), table.IndexOf(second), thicknessMm);
+      });
+  py::class_<ProjectionView>(module, "View")
+    .def_readonly("angle", &ProjectionView::AngleDeg)
+    .def_property_readonly("source",
+      [](const ProjectionView& view)
+      {
+        return view.Source.Type == XRaySource::Kind::Point ? view.Source.Position
+                                                           : view.Source.Direction;
+      })
+    .def_property_readonly("detector",
+      [](const ProjectionView& view) {
+        return std::tuple(view.Detector.Origin, view.Detector.ColumnStep, view.Detector.RowStep);
+      });
+  py::class_<Camera>(module, "Projector")
+    .def(py::init<const std::string&, const std::string&>())
+    .def("expose", &Camera::Expose)
+    .def("close", &Camera::Close)
+    .def_property_readonly("device", &Camera::DeviceName)
+    .def_property_readonly("method", &Camera::Method)
+    .def_property_readonly("traces", &Camera::Traces);
+}
 }
 
 PYBIND11_MODULE(_xray, module)
 {
   py::register_exception_translator(&Translate);
-  py::class_<XRaySource>(module, "Source")
-    .def(py::init(
-      [](bool parallel, const Vector3& place)
-      {
-        XRaySource source;
-        source.Type = parallel ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
-        (parallel ? source.Direction : source.Position) = place;
-        return source;
-      }));
-  py::class_<XRayDetector>(module, "Detector")
-    .def(py::init(
-      [](const Vector3& origin, const Vector3& columnStep, const Vector3& rowStep, int columns,
-        int rows, int samples) {
-        return XRayDetector{ origin, columnStep, rowStep, columns, rows, samples };
-      }));
-  py::class_<ExposureOptions>(module, "Exposure")
-    .def(py::init(
-      [](const std::array<double, 2>& spot, int spotSamples, double photons, std::uint64_t seed)
-      {
-        ExposureOptions options;
-        options.FocalSpotColumnMm = spot[0];
-        options.FocalSpotRowMm = spot[1];
-        options.FocalSpotSamples = spotSamples;
-        options.PhotonsPerPixel = photons;
-        options.Seed = seed;
-        options.Validate();
-        return options;
-      }));
-  py::class_<Scene>(module, "Scene")
-    .def(py::init(&MakeScene))
-    .def_readwrite("source", &Scene::Source)
-    .def_readwrite("detector", &Scene::Detector)
-    .def_readwrite("exposure", &Scene::Detection)
-    .def("refract",
-      [](Scene& scene, const std::string& law, double distanceMm)
-      {
-        scene.Refraction = law == "geometric" ? RefractionOptions::Law::Geometric
-                                              : RefractionOptions::Law::NearField;
-        scene.BendDistanceMm = distanceMm;
-      });
-  py::class_<MeshProjector>(module, "Projector")
-    .def(py::init<const Array<double>&, const Array<std::int32_t>&, const Array<std::uint16_t>&,
-      const std::string&, const std::string&>())
-    .def("move", &MeshProjector::Move)
-    .def("project", &MeshProjector::Project)
-    .def_property_readonly("device", &MeshProjector::DeviceName)
-    .def_property_readonly("method", &MeshProjector::Method);
+  DeclareExposure(module);
+  DeclareScene(module);
+  module.def("quantities", &Quantities);
   module.def("materials", &Materials);
   module.def("density",
     [](const std::string& attenuation) { return FindAttenuationTable(attenuation).DensityOf(0); });
+  module.def("unit_mm", &LengthUnitMm);
   module.def("spectrum",
-    [](const std::string& pathOrName)
+    [](const std::vector<Setting>& settings)
     {
-      const Spectrum spectrum = FindSpectrum(pathOrName);
-      return std::pair(spectrum.EnergiesKeV, spectrum.Weights);
+      const SceneDescription description = Describe(settings);
+      description.Validate();
+      const Spectrum spectrum = FindSpectrum(description);
+      return std::tuple(spectrum.EnergiesKeV, spectrum.Weights, spectrum.Name,
+        spectrum.MeanEnergyKeV(), HalfValueLayerMm(spectrum));
     });
-  module.def("cancelling_weight",
-    [](const Scene& low, const Scene& high, int first, int second, double thicknessMm)
-    { return CancellingWeight(MakeBeam(low), MakeBeam(high), first, second, thicknessMm); });
   module.def("devices", &Devices);
+  module.def("check", [](const std::vector<Setting>& settings) { Describe(settings); });
+  module.def("describe",
+    [](const std::vector<Setting>& settings) { return WriteScene(Describe(settings)); });
+  module.def("read_scene", [](const std::string& path) { return WriteScene(ReadScene(path)); });
 #ifdef MAMMORAY_WITH_SCENES
-  module.def("project_scene", &ProjectScene);
+  module.def("read_mesh", &ReadMeshFile);
 #endif
 }

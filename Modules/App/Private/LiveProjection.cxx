@@ -42,31 +42,6 @@ XRayDetector Halved(XRayDetector detector)
 }
 }
 
-void ViewedScene::PlaceAround()
-{
-  const std::array<Extent, 3> box = BoxOf(*Assemble(this->Scene));
-  const double diagonal = Norm({ box[0].Length(), box[1].Length(), box[2].Length() });
-  if (!(diagonal > 0) || !std::isfinite(diagonal))
-  {
-    throw InputError("view: expected surfaces with an extent, found none");
-  }
-  constexpr double Before = 4;
-  constexpr double Behind = 1.5;
-  constexpr int Pixels = 512;
-  // A tenth wider than the shadow of the sphere around the box.
-  const double width = 1.1 * diagonal * (Before + Behind) / Before;
-  const Vector3 middle = MiddleOf(box);
-  this->Scene.Source.Type = XRaySource::Kind::Point;
-  this->Scene.Source.Position = middle - Vector3{ 0, Before * diagonal, 0 };
-  const double spacing = width / Pixels;
-  this->Scene.Detector.Columns = Pixels;
-  this->Scene.Detector.Rows = Pixels;
-  this->Scene.Detector.ColumnStep = { spacing, 0, 0 };
-  this->Scene.Detector.RowStep = { 0, 0, -spacing };
-  this->Scene.Detector.Origin =
-    middle + Vector3{ -0.5 * (width - spacing), Behind * diagonal, 0.5 * (width - spacing) };
-}
-
 LiveProjection::LiveProjection(const ViewedScene& viewed, const ProjectorOptions& options)
   : Viewed(viewed)
   , Half(Halved(viewed.Scene.Detector))

@@ -11,9 +11,14 @@ namespace mammoray
 {
 nlohmann::json ParseJsonFile(const std::string& path, const std::string& what)
 {
-  using Json = nlohmann::json;
   CheckReadable(path, what);
   std::ifstream file(path);
+  return ParseJson(file, path, what);
+}
+
+nlohmann::json ParseJson(std::istream& text, const std::string& where, const std::string& what)
+{
+  using Json = nlohmann::json;
   // The parser keeps the last of repeated keys silently.
   std::vector<std::set<std::string>> open;
   std::string repeated;
@@ -22,7 +27,7 @@ nlohmann::json ParseJsonFile(const std::string& path, const std::string& what)
     // Our files have four levels; what is done with thousands of them ends the process.
     if (depth > 16)
     {
-      throw InputError(path + ": expected " + what + ", found JSON nested deeper than 16");
+      throw InputError(where + ": expected " + what + ", found JSON nested deeper than 16");
     }
     if (event == Json::parse_event_t::object_start)
     {
@@ -42,17 +47,17 @@ nlohmann::json ParseJsonFile(const std::string& path, const std::string& what)
   Json parsed;
   try
   {
-    parsed = Json::parse(file, watch);
+    parsed = Json::parse(text, watch);
   }
   catch (const Json::exception& error)
   {
     std::string message = error.what();
     std::replace(message.begin(), message.end(), '\n', ' ');
-    throw InputError(path + ": expected " + what + " in JSON: " + message);
+    throw InputError(where + ": expected " + what + " in JSON: " + message);
   }
   if (!repeated.empty())
   {
-    throw InputError(path + ": key '" + repeated + "': expected once, found more often");
+    throw InputError(where + ": key '" + repeated + "': expected once, found more often");
   }
   return parsed;
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <istream>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace mammoray
 /// The file's value. `what` it holds is for messages: "a material table". Throws InputError where
 /// it cannot be read, on anything but JSON, on repeated keys, and on nesting deeper than 16.
 nlohmann::json ParseJsonFile(const std::string& path, const std::string& what);
+/// The same of a text, which `where` names in messages.
+nlohmann::json ParseJson(std::istream& text, const std::string& where, const std::string& what);
 
 /// Throws InputError "PLACE: expected ..., found ..."; null: found nothing.
 [[noreturn]] void RefuseJson(const std::string& place, const std::string& expected,

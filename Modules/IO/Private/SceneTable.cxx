@@ -146,6 +146,13 @@ SceneQuantity PointOf(const std::string& key, const std::string& help)
     3 };
 }
 
+/// One value or more.
+SceneQuantity List(SceneQuantity quantity)
+{
+  quantity.Count = 0;
+  return quantity;
+}
+
 SceneQuantity ByMaterial(SceneQuantity quantity)
 {
   quantity.IsByMaterial = true;
@@ -171,9 +178,16 @@ std::vector<SceneRow> SubjectRows()
           Use::Daily),
       MEMBER(Mesh)),
     Row(meshUnit, MEMBER(MeshUnit)),
-    Row(Other(Kind::FileOrName, "materials", "",
-          "material table: .json or a shipped one's name (victre, segment, ...)", Use::Daily),
-      MEMBER(Materials)),
+    MakeRow(
+      Other(Kind::Table, "materials", "",
+        "material table: .json or a shipped one's name (victre, segment, ...)", Use::Daily),
+      [](SceneDescription& scene, const Json& value)
+      { scene.Materials = value.is_object() ? value.dump() : value.get<std::string>(); },
+      [](const SceneDescription& scene)
+      {
+        return scene.Materials.starts_with('{') ? Json::parse(scene.Materials)
+                                                : Json(scene.Materials);
+      }),
     Row(ByMaterial(Other(Kind::Text, "attenuations", "",
           "other attenuations of the table's materials by their names, { \"gland\": \"H2O@1.04\" "
           "}\n(a shipped table's name, a NIST compound, a formula or mass fractions; with a "
@@ -190,6 +204,13 @@ std::vector<SceneRow> SubjectRows()
           "counts\n(others follow in the table's order; without it each part counts)",
           Use::Rare, 0),
       MEMBER(OverlapPriority)),
+    Row(Other(Kind::Flag, "realistic", "",
+          "with noise, blur, heel and scatter\n(what is not asked for otherwise is that of a "
+          "modern unit: tungsten tube of 29 kV with 0.05 mm Rh, heel and inverse square, scatter "
+          "of 17 mm of air behind a grid of lead 5:1 with 31 lines per cm and fibre, half "
+          "modulation 5 per mm, noise of 2e7 photons per mm2, 5 photons of the detector's own)",
+          Use::Daily),
+      MEMBER(IsRealistic)),
   };
 }
 
@@ -211,6 +232,11 @@ std::vector<SceneRow> BeamRows()
     Row(
       Number("beam.kev", "keV", 1, 500, "a single photon energy instead of a spectrum", Use::Daily),
       MEMBER(EnergyKeV)),
+    Row(List(Number("beam.energies", "keV", 1, 500,
+          "instead, energies in ascending order, with numbers of photons")),
+      MEMBER(EnergiesKeV)),
+    Row(List(Number("beam.photons", "", 0, 1e30, "of each energy, any common factor")),
+      MEMBER(Photons)),
     Row(tube, MEMBER(Tube.Anode)),
     Row(Number("beam.kvp", "kV", 18, 450, "voltage of the tube; Mo and Rh to 42", Use::Daily),
       MEMBER(Tube.KilovoltagePeak)),

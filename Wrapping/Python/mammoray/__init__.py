@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """MammoRay: synthetic X-rays of meshes and registration of breast MRI with mammograms.
 
-Arrays in, arrays out, without a pipeline; `help(mammoray.project)` tells shapes, units and frames:
+    import mammoray as mr
+    part = mr.Sample(mr.read_mesh("part.stl", unit="mm"), "Al")
+    scene = mr.Scene(part, beam=mr.Beam(tube="W", kvp=40, filters=["Al:2"]))
+    image = scene.expose()                 # image.transmission, image.path_lengths: numpy arrays
+    image.save("part.png")
 
-    project    points and triangles (or tetrahedra) -> X-ray image and path lengths per material; Projector for many images
-    project_scene  a scene file (.json) -> the same
-    recombine  two exposures -> one without two tissues (dual energy), by cancelling_weight
+X-rays need numpy only: Scene of Sample (Mesh, Material), Source, Detector, Beam, Scatter and Refraction gives an Exposure; turn and
+tomosynthesis a Series; dual_energy two; a Projector keeps a device for loops. `help(mammoray.Detector)` tells fields, units and ranges.
+
     mesh       labels -> tetrahedra with a material each
     compress   tetrahedra -> the same between the plates of a mammography unit
     register   labels or tetrahedra, and a mammogram -> the compression that matches it
@@ -18,10 +22,8 @@ The same as VTK algorithms, which work with everything in `vtkmodules` and take 
     vtkBreastRegistration  tetrahedra or labels, and a mammogram -> the compression that matches it
     vtkMammogramReader     DICOM MG -> vtkImageData
 
-    projector = mammoray.vtkXRayProjector(PixelSpacing=(0.5, 0.5), DetectorSize=(240, 400))
-
 Lengths are mm, pressures kPa, energies keV, angles degrees. What goes wrong is raised (Error, InputError, DeviceError) in one
-line, also from Update(). `project` needs numpy only; what needs VTK says so where there is none.
+line, also from Update(). What needs VTK says so where there is none.
 
 Keep a source in a variable until it is connected: GetOutputPort() of a temporary crashes the interpreter, as in all of VTK 9.1.
 """
@@ -56,24 +58,26 @@ def _find(module: str, package: str) -> None:
 
 
 _find("numpy", "python3-numpy")
-from ._projection import (  # noqa: E402  after numpy was found
-    Detector, Material, ParallelBeam, Projection, Projector, cancelling_weight, devices, material_table, project, project_scene,
-    recombine)
+from ._mesh import Mesh, read_mesh  # noqa: E402  after numpy was found
+from ._scene import (  # noqa: E402
+    Beam, Derivatives, Detector, Dose, DualEnergy, Exposure, Material, Placement, Projector, Refraction, Sample, Scatter, Scene, Series,
+    Source, devices, dual_energy, load_scene, material_table, tomosynthesis, turn)
 
 if TYPE_CHECKING:
-    from ._breast import Compression, LabelVolume, Mammogram, Mesh, Placement, Registration, compress, mesh, register
+    from ._breast import Compression, LabelVolume, Mammogram, Registration, compress, mesh, register
     from ._filters import (vtkBreastCompression, vtkBreastMesher, vtkBreastRegistration, vtkMammogramReader,
                            vtkXRayProjector)
 
 # What needs VTK, which is loaded when one of these is asked for.
 _WITH_VTK = {
-    **dict.fromkeys(("Compression", "LabelVolume", "Mammogram", "Mesh", "Placement", "Registration", "compress", "mesh", "register"),
-                    "_breast"),
+    **dict.fromkeys(("Compression", "LabelVolume", "Mammogram", "Registration", "compress", "mesh", "register"), "_breast"),
     **dict.fromkeys(("vtkBreastCompression", "vtkBreastMesher", "vtkBreastRegistration", "vtkMammogramReader",
                      "vtkXRayProjector"), "_filters")}
 
-__all__ = ["__version__", "DeviceError", "Error", "InputError", "Detector", "Material", "ParallelBeam", "Projection", "Projector",
-           "cancelling_weight", "devices", "material_table", "project", "project_scene", "recombine"] + (list(_WITH_VTK) if _build.WITH_VTK else [])
+__all__ = ["__version__", "DeviceError", "Error", "InputError", "Beam", "Derivatives", "Detector", "Dose", "DualEnergy", "Exposure",
+           "Material", "Mesh", "Placement", "Projector", "Refraction", "Sample", "Scatter", "Scene", "Series", "Source", "devices",
+           "dual_energy", "load_scene", "material_table", "read_mesh", "tomosynthesis", "turn"] + (
+               list(_WITH_VTK) if _build.WITH_VTK else [])
 
 
 def __getattr__(name: str) -> Any:

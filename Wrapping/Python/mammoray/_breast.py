@@ -17,28 +17,14 @@ from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkIntArray, vtkPoints, vtk
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkUnstructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
 
-from . import _filters
+from . import _filters, _xray
 from ._errors import InputError
-from ._projection import (Detector, Material, Materials, array_of, density_of, made_from, material_table, materials_of, three,
-                          whole, whole_array_of)
+from ._mesh import Mesh
+from ._scene import Material, Materials, Placement, density_of, material_table, materials_of
+from ._values import array_of, made_from, three, whole, whole_array_of
 
 Progress = Callable[[float], Any]
 _TETRAHEDRON = 10
-
-
-@dataclasses.dataclass(frozen=True)
-class Mesh:
-    """Tetrahedra with a material each.
-
-    points: n x 3, mm, in the frame of the labels
-    tetrahedra: m x 4, rows of points, from 0
-    regions: m, the material of each
-    names: of materials 0 (air), 1, 2, ...
-    """
-    points: NDArray[numpy.float64]
-    tetrahedra: NDArray[numpy.int64]
-    regions: NDArray[numpy.int32]
-    names: tuple[str, ...] = ()
 
 
 MeshArrays = Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike]]
@@ -60,26 +46,6 @@ class LabelVolume:
 
 
 @dataclasses.dataclass(frozen=True)
-class Placement:
-    """Where a mammography unit stands in the frame of the mesh: the gantry's origin, where the chest-wall edge of the image receptor
-    meets its midline, mm, and unit vectors: x along that edge, y from chest wall to nipple, z from receptor to source."""
-    origin: NDArray[numpy.float64]
-    x: NDArray[numpy.float64]
-    y: NDArray[numpy.float64]
-    z: NDArray[numpy.float64]
-
-    def source(self, distance: float = 650.0) -> NDArray[numpy.float64]:
-        """The focus that far above the receptor, mm."""
-        return self.origin + distance * self.z
-
-    def detector(self, columns: int, rows: int, pixel_spacing: tuple[float, float] = (0.5, 0.5), samples: int = 1) -> Detector:
-        """The receptor: columns from its chest-wall edge towards the nipple, rows along -x, their middle at the origin.
-        pixel_spacing: between neighbouring columns, and between rows, mm."""
-        column_step, row_step = pixel_spacing[0] * self.y, -pixel_spacing[1] * self.x
-        return Detector(self.origin + 0.5 * column_step - 0.5 * (rows - 1) * row_step, column_step, row_step, columns, rows, samples)
-
-
-@dataclasses.dataclass(frozen=True)
 class Compression:
     """A breast between the plates.
 
@@ -88,7 +54,7 @@ class Compression:
     volume_ratio: m, deformed over undeformed volume of each tetrahedron
     stress: m, von Mises', of the Cauchy stress, kPa; none where a coarse mesh carries this one
     thickness: between the plates, mm; force: of the paddle, N
-    placement: where the unit stands: what project's source and detector are made of
+    placement: where the unit stands, whose source() and detector() a Scene takes
     """
     points: NDArray[numpy.float64]
     displacement: NDArray[numpy.float64]
@@ -224,7 +190,7 @@ def _grid(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, what: st
 
 
 def _mesh_grid(mesh: MeshArrays, name: str) -> Any:
-    arrays = (mesh.points, mesh.tetrahedra, mesh.regions) if isinstance(mesh, Mesh) else mesh
+    arrays = (mesh.points, mesh.cells, mesh.regions) if isinstance(mesh, Mesh) else mesh
     if not isinstance(arrays, (tuple, list)) or len(arrays) != 3:
         raise InputError(f"{name}: expected a Mesh or its points, tetrahedra and regions, found {type(mesh).__name__}")
     return _grid(*arrays, f"{name}: ")
@@ -259,14 +225,9 @@ def _table_of(materials: Optional[Materials], imaged: bool = True) -> Iterator[s
         raise InputError(f"materials: expected regions 1, 2, ... without a gap, found {sorted(known)}")
     entries: list[dict[str, Any]] = [{"name": "air", "labels": [0]}]
     for region, material in sorted(known.items()):
-        attenuation = material.attenuation if imaged else "Water, Liquid"  # every table says one
-        if not isinstance(attenuation, str):
-            raise InputError(f"materials[{region}].attenuation: expected a name, found {attenuation!r}")
-        density = density_of(material, region)
-        entries.append({
-            "name": material.name or f"region {region}", "labels": [region], "attenuation": attenuation,
-            **({} if density is None else {"density_g_per_cm3": density}), "youngs_modulus_kpa": material.youngs_modulus,
-            "poisson_ratio": material.poisson_ratio, "fung_exponent": material.fung_exponent, "fixed": material.fixed})
+        if not imaged:  # every table says an attenuation
+            material = dataclasses.replace(material, attenuation="Water, Liquid")
+        entries.append(material._entry(f"materials[{region}]", region))
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "materials.json")
         with open(path, "w", encoding="utf-8") as file:
@@ -360,7 +321,7 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
 
 def weighed_density(material: Material, region: int) -> float:
     """The density by which the material weighs, or 0 where nobody knows it."""
-    density = density_of(material, region)
+    density = density_of(material, f"materials[{region}]")
     if density is None and isinstance(material.attenuation, str) and material.attenuation:
         return float(_xray.density(material.attenuation))
     return density or 0.0

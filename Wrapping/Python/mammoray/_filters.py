@@ -13,7 +13,7 @@ import vtkmodules.vtkCommonExecutionModel  # noqa: F401  before the wrapped clas
 
 from . import mammorayFilters as _wrapped
 from ._errors import Error, InputError
-from ._projection import suggestion
+from ._values import suggestion
 
 
 class _Heard(threading.local):
