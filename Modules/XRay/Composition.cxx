@@ -335,8 +335,9 @@ std::string WithSmallLetters(const std::string& text)
     {
       const auto& rest = best[std::min(at + count, text.size())];
       const std::string symbol = cased(at, count);
-      const bool isPart =
-        symbol.size() == count && (IsSymbol(symbol) || (count == 1 && isOther(symbol[0])));
+      const int number = SymbolToAtomicNumber(symbol.c_str(), nullptr);
+      const bool isPart = symbol.size() == count &&
+        ((number > 0 && number <= HeaviestUsual) || (count == 1 && isOther(symbol[0])));
       const int pairs = rest ? rest->first + static_cast<int>(count) - 1 : 0;
       if (isPart && rest && (!best[at] || pairs < best[at]->first))
       {

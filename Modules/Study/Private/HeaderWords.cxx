@@ -159,7 +159,7 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
       "T1 despu\xc3\xa9s de contraste, T1 inyectado" },
     { M::AfterContrast, "pt", "(?:com|pos|apos|depois) ?<agent>", "T1 p\xc3\xb3s contraste" },
     { M::AfterContrast, "it", "dopo ?<agent>", "T1 dopo mdc" },
-    { M::AfterContrast, "nl", "(?:na|met) ?<agent>", "T1 na contrast" },
+    { M::AfterContrast, "nl", "(?:na(?!ct?(?= |$))|met) ?<agent>", "T1 na contrast" },
 
     { M::NoAgent, "en", "no|none|without", "NO, None, without" },
     { M::NoAgent, "", "n|nil|0", "N, nil, 0" },
