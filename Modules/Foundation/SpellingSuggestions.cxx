@@ -64,6 +64,10 @@ std::vector<std::string> SpellingSuggestions(const std::string& name,
   }
   std::stable_sort(ranked.begin(), ranked.end(),
     [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (!ranked.empty() && ranked.front().first == 0 && ranked.front().second != name)
+  {
+    count = 1;
+  }
   std::vector<std::string> names;
   for (std::size_t index = 0; index < std::min(count, ranked.size()); ++index)
   {

@@ -21,6 +21,7 @@ TEST(SpellingSuggestions, NearestComeFirst)
 {
   EXPECT_THAT(SpellingSuggestions("water", { "waters of lethe", "watery", "water" }, 2),
     ElementsAre("water", "watery"));
+  EXPECT_THAT(SpellingSuggestions("FE", { "PE", "Fe", "F" }), ElementsAre("Fe"));
 }
 
 TEST(SpellingSuggestions, MessagesSuggestOrList)
