@@ -33,6 +33,7 @@ struct DicomArguments
   std::optional<Vector3> Point;
   std::string Lesion;
   std::string Mri;
+  std::optional<int> Series;
   std::string Output;
 };
 
@@ -45,9 +46,10 @@ void Declare(const OptionList& add, DicomArguments& arguments)
   const OptionList shown = add.Group("Of a folder");
   shown(Shared::Point, arguments.Point);
   shown(Shared::Lesion, arguments.Lesion);
-  shown.Input("--mri", arguments.Mri,
+  CLI::Option* const mri = shown.Input("--mri", arguments.Mri,
     "folder with the MRI's DICOM slices: adds it between the plates\n(in the frame of the label "
     "volume; and the registration that leads to it)");
+  shown(Shared::Series, arguments.Series)->needs(mri);
   add("-o,--output", arguments.Output,
     "the synthetic mammogram (.dcm) or a new folder for all objects\n(default: the folder dicom in "
     "that of --result)");
@@ -97,6 +99,7 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
     objects.Lesions = ReadLesions(arguments.Lesion, AxesOf(Program().AxesAsGiven));
   }
   objects.Mri = arguments.Mri;
+  objects.MriSeries = arguments.Series;
   const RegisteredBreast breast(ReadBreastInUnit(result));
   WriteAtomicFolder(arguments.Output,
     [&](const std::string& folder)

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/ResultObjects.h"
 
-#include "mammoray/Dicom/DicomReader.h"
+#include "Private/HeaderRules.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/CompressedVolume.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 
@@ -217,19 +218,22 @@ struct DicomMri
   IntensityVolume Image;
 };
 
-DicomMri ReadMri(const std::string& folder, const DicomHeader& mammogram)
+DicomMri ReadDicomMri(const std::string& folder, std::optional<int> series,
+  const DicomHeader& mammogram)
 {
   DicomMri mri;
-  mri.Image = ReadIntensityVolume(folder);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+  mri.Image = ReadMri(folder, VolumeAxes::Patient, series);
+  std::optional<DicomHeader> header;
+  if (series)
   {
-    const auto header = entry.is_regular_file() ? ReadDicomHeader(entry.path()) : std::nullopt;
-    if (header)
-    {
-      mri.Header = *header;
-      break;
-    }
+    Study study = ReadStudy(folder);
+    header = VolumeOfNumber(study, *series).Header;
   }
+  for (fs::directory_iterator entry(folder); !header && entry != fs::directory_iterator(); ++entry)
+  {
+    header = entry->is_regular_file() ? ReadDicomHeader(entry->path()) : std::nullopt;
+  }
+  mri.Header = header.value_or(DicomHeader());
   const std::string& patient = mri.Header.Identity.PatientId;
   if (patient != mammogram.Identity.PatientId)
   {
@@ -300,7 +304,7 @@ void WriteResultObjects(const ResultFile& result, const RegisteredBreast& breast
   if (!objects.Mri.empty())
   {
     ReportProgress(progress, 0, "reading the MRI");
-    mri = ReadMri(objects.Mri, mammogram);
+    mri = ReadDicomMri(objects.Mri, objects.MriSeries, mammogram);
   }
   ReportProgress(progress, 0, "finding lesions");
   const Findings findings = Find(breast, objects, projector);

@@ -24,8 +24,10 @@ struct ResultObjects
   std::vector<Vector3> Points;
   /// Lesions, one label each, in the frame of the registered label volume.
   std::optional<LabelVolume> Lesions;
-  /// Folder with the DICOM slices of the MRI, whose frame is the volume frame; empty without MRI.
+  /// Folder with the DICOM slices of the MRI, whose frame is the volume frame, and of several
+  /// volumes the number (ReadMri); empty without MRI.
   std::string Mri;
+  std::optional<int> MriSeries;
   /// Voxel sizes of the MRI in the compressed breast and of the displacement field, mm.
   double MriSpacingMm = 1;
   double FieldSpacingMm = 3;

@@ -4,6 +4,7 @@
 #include "Refusals.h"
 #include "SqueezedBox.h"
 #include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Study/Intake.h"
 #include "mammoray/Study/ResultObjects.h"
 
 #include <gdcmReader.h>
@@ -12,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -20,6 +22,7 @@ using mammoray::test::DicomTextOf;
 using mammoray::test::ExpectValidDicom;
 using mammoray::test::RefusalOf;
 using namespace mammoray;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 namespace
@@ -172,6 +175,35 @@ TEST_F(ResultObjectsOf, TheRegistrationLeadsFromTheCompressedBreastToTheMri)
   const IntensityVolume image = ReadIntensityVolume(this->Out("mri"));
   const Vector3 place{ 5, 30, 11 };
   EXPECT_NEAR(image.ValueAt(place).value(), MriAt({ 4, 27, -2 }), 1.5);
+}
+
+TEST_F(ResultObjectsOf, TheMriMayBeOneOfTheVolumesOfAFolder)
+{
+  IntensityVolume other;
+  other.Size = { 20, 16, 8 };
+  other.Spacing = { 3, 3, 3 };
+  other.Voxels.assign(20 * 16 * 8, 5);
+  DicomHeader header;
+  header.Identity = this->Identity;
+  header.FrameOfReferenceUid = this->MriFrame;
+  header.SeriesDescription = "t2 axial";
+  std::vector<std::string> paths;
+  for (int slice = 0; slice < 8; ++slice)
+  {
+    paths.push_back(this->MriPath() + "/t2-" + std::to_string(slice) + ".dcm");
+  }
+  WriteMrSeries(other, header, paths);
+  this->Objects.Mri = this->MriPath();
+  this->Objects.Points = { { 8, 20, 0 } };
+  EXPECT_THAT(RefusalOf([&] { this->Write(); }),
+    AllOf(HasSubstr("expected one volume, found 2"),
+      HasSubstr("'t2 axial' (8 slices of 20 x 16)")));
+  const std::vector<StudySeries> series = ReadStudy(this->MriPath()).Series;
+  const auto t1 = std::find_if(series.begin(), series.end(),
+    [](const StudySeries& one) { return one.Description.starts_with("t1 axial"); });
+  this->Objects.MriSeries = static_cast<int>(t1 - series.begin()) + 1;
+  this->Write();
+  EXPECT_THAT(DicomTextOf(this->Out("mri/00001.dcm"), 8, 0x103e), HasSubstr("plates: t1 axial"));
 }
 
 TEST_F(ResultObjectsOf, ALesionAndWhereItMayBeAreSegments)
