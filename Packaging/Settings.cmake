@@ -2,14 +2,15 @@
 set(MAMMORAY_PACKAGING "${CMAKE_CURRENT_LIST_DIR}")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR MammoRay)
-set(CPACK_PACKAGE_CONTACT "MammoRay maintainers <maintainers@mammoray.example>")
+set(MAMMORAY_MAINTAINER "MammoRay maintainers <maintainers@mammoray.example>" CACHE STRING
+  "Name and address of who maintains the packages; there is none yet")
+set(CPACK_PACKAGE_CONTACT "${MAMMORAY_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "synthetic X-rays of meshes, registration of breast MRI with mammograms")
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX "/usr")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "https://mammoray.example")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -34,10 +35,11 @@ until the synthetic mammogram matches a real one.")
 
 set(documents "${CMAKE_BINARY_DIR}/packaging")
 find_program(GZIP gzip REQUIRED)
+configure_file("${MAMMORAY_PACKAGING}/changelog" "${documents}/changelog" @ONLY)
 add_custom_command(OUTPUT "${documents}/changelog.gz"
-  COMMAND "${CMAKE_COMMAND}" -D "SOURCE=${MAMMORAY_PACKAGING}/changelog" -D "TARGET=${documents}/changelog.gz"
+  COMMAND "${CMAKE_COMMAND}" -D "SOURCE=${documents}/changelog" -D "TARGET=${documents}/changelog.gz"
     -D "GZIP=${GZIP}" -P "${MAMMORAY_PACKAGING}/Compress.cmake"
-  DEPENDS "${MAMMORAY_PACKAGING}/changelog" VERBATIM)
+  DEPENDS "${documents}/changelog" VERBATIM)
 set(package_documents "${documents}/changelog.gz")
 # Copyright (a file of this folder; of the component `data` copyright.data) and changelog of every package; to be called when all
 # components are known.
