@@ -184,7 +184,7 @@ void AddProgramOptions(Command& command)
   add.Keep({ command
                .add_option_function<std::string>(
                  "--config", [&command](const std::string& path) { ReadCaseFile(command, path); },
-                 "read options from a case file (.json); docs/options.md lists its keys")
+                 "read options from a case file (.json)")
                ->check(CLI::Validator(CLI::ExistingFile).description(""))
                ->type_name(FileTypeName)
                ->configurable(false),

@@ -31,8 +31,9 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
   AddQuantities(add, "materials", arguments.Given);
   add(Shared::Scene, arguments.Given.File);
   add("--set", arguments.Given.Sets,
-    "a quantity of the scene by its key in scene files, 'detector.seed=5'\n(docs/options.md lists "
-    "them; lengths are mm; goes before the file's value)")
+    "a quantity of the scene by its key in scene files, 'detector.seed=5'\n"
+    "(docs/reference/commands/scene-keys.md lists them; lengths are mm; goes before the file's "
+    "value)")
     ->type_name("KEY=VALUE")
     ->allow_extra_args(false);
   add.Expert().Flag("--print-scene", arguments.PrintScene,

@@ -65,8 +65,8 @@ inline const SharedOption Mesh{ "--mesh",
   FileTypeName };
 inline const SharedOption Result{ "--result", "folder written by 'mammoray register'",
   InputTypeName };
-inline const SharedOption Scene{ "--scene",
-  "surfaces, source, detector and beam in a file (.json, docs/scene.md)", FileTypeName };
+inline const SharedOption Scene{ "--scene", "surfaces, source, detector and beam in a file (.json)",
+  FileTypeName };
 inline const SharedOption SimulationMesh{ "--simulation-mesh",
   "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)",
   FileTypeName };

@@ -3,7 +3,7 @@
 """What is written of the options, out of their declarations (mammoray --print-schema).
 
 usage: writeReference.py MAMMORAY FOLDER          FOLDER/man1, manual pages of the program and each command; FOLDER/completion, for bash
-       writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/options.md
+       writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/reference/commands
 """
 import gzip
 import json
@@ -131,25 +131,14 @@ def completion(schema):
 
 
 def cell(text):
-    """As Markdown shows it in a table, and Doxygen, to which @ begins a command."""
-    return re.sub(r"([|@])", r"\\\1", text)
+    """A text as Markdown shows it in a table."""
+    return re.sub(r"([|*_<])", r"\\\1", text)
 
 
-def row(options):
-    """Of an option of several commands a range, a default and where it shows stand if they are the same in all."""
-    option = options[0]
-    default = option.default if all(other.default == option.default for other in options) else "by command"
-    limits = option.range if all(other.range == option.range for other in options) else "range by command"
-    values = ", ".join(filter(None, [", ".join(option.words) or option.value, limits]))
-    meaning = option.help + (" (required)" if "mandatory" in option.setting and len(options) == 1 else "")
-    shown = option.setting["shown"] if option.only_in_file else f"`{option.setting['shown']}`"
-    if any(other.setting["shown"] != option.setting["shown"] for other in options):
-        shown = "by command"
-    return f"| `{','.join(option.spellings())}` | {cell(values)} | {cell(default)} | {cell(meaning)} | {shown} |"
-
-
-def table(rows, column=""):
-    return f"\n| option | value | default | meaning | shown in |{column}\n|---|---|---|---|---|{column and '---|'}\n" + "".join(rows)
+def row(option):
+    values = ", ".join(filter(None, [", ".join(option.words) or option.value, option.range]))
+    meaning = option.help + (" (required)" if "mandatory" in option.setting else "")
+    return f"| `{', '.join(option.spellings())}` | {cell(values)} | {cell(option.default)} | {cell(meaning)} |\n"
 
 
 def scene_rows(definition, prefix=""):
@@ -167,31 +156,39 @@ def scene_rows(definition, prefix=""):
     return rows
 
 
-def tables(schema):
-    program = options_of(schema["$defs"]["program"])
-    uses = {}
-    for name, definition in commands_of(schema):
-        for option in options_of(definition):
-            uses.setdefault((option.name, option.help), []).append((name, option))
-    shared, others = [], ""
-    for name, definition in commands_of(schema):
-        own = []
-        for option in options_of(definition):
-            use = uses[option.name, option.help]
-            line = row([each for _, each in use])
-            if len(use) == 1:
-                own.append(line + "\n")
-            elif use[0][0] == name:
-                shared.append(f"{line} {', '.join(by for by, _ in use)} |\n")
-        others += f"\n## {name}\n" + (table(own) if own else "\nShared options only.\n")
-    offered = len(program) + sum(map(len, uses.values()))
-    return (f"# Options\n\nMade by `Applications/mammoray/writeReference.py` from the declared options. {len(program) + len(uses)} options; "
-            f"those of several commands counted for each, {offered}.\n"
-            "The case file (`--config FILE.json`) takes all of them by name without dashes; those shown in \"case file\" are set there only.\n"
-            "\n## Of every command\n" + table([row([option]) + "\n" for option in program])
-            + "\n## Shared by several commands\n" + table(shared, " commands |") + others
-            + "\n## Scene files\n\nKeys of the files of `--scene`, and of `--set KEY=VALUE`; more in [scene files](scene.md). Limits of lengths are mm.\n"
-            "\n| key | value | default | meaning | option of project |\n|---|---|---|---|---|\n" + "".join(scene_rows(schema["$defs"].get("scene", {"properties": {}}))))
+def command_tables(schema, name):
+    """The page of a command: its options by heading, daily ones first."""
+    definition = schema["$defs"][name]
+    page = f"# mammoray {name}\n\n{cell(definition['description'])}\n\n```\n{definition['example'].removeprefix('Example: ')}\n```\n"
+    sections = {}
+    for option in all_options(schema, definition):
+        heading = option.setting.get("group", "Options")
+        if option.only_in_file:
+            heading = "Settings of the case file"
+        elif option.setting["shown"] == "--help-all":
+            heading += ", shown by --help-all"
+        sections.setdefault(heading, []).append(row(option))
+    for heading, rows in sections.items():
+        page += f"\n## {heading}\n\n| option | value | default | meaning |\n|---|---|---|---|\n" + "".join(rows)
+    return page
+
+
+def reference_pages(schema):
+    """Text by name of the pages of the documentation."""
+    commands = commands_of(schema)
+    pages = {f"{name}.md": command_tables(schema, name) for name, _ in commands}
+    pages["index.md"] = (
+        "# Commands\n\n`mammoray COMMAND --help` prints the options that are used daily, `--help-all` all of them. Exit code 0: done;\n"
+        "1: refused or failed, with one line that says why; 2: wrong usage. Options may stand in a\n[case file](../case-files.md).\n\n"
+        "| command | does |\n|---|---|\n"
+        + "".join(f"| [{name}]({name}.md) | {cell(purpose(definition))} |\n" for name, definition in commands)
+        + "\nKeys of scene files: [scene keys](scene-keys.md).\n\n```{toctree}\n:hidden:\n\n"
+        + "".join(f"{name}\n" for name, _ in commands) + "scene-keys\n```\n")
+    pages["scene-keys.md"] = (
+        "# Scene keys\n\nKeys of [scene files](../scene-files.md) and of `--set KEY=VALUE`. Limits of lengths are mm.\n\n"
+        "| key | value | default | meaning | option of project |\n|---|---|---|---|---|\n"
+        + "".join(scene_rows(schema["$defs"].get("scene", {"properties": {}}))))
+    return {name: "<!-- Made by Applications/mammoray/writeReference.py from the declared options. -->\n\n" + text for name, text in pages.items()}
 
 
 def main():
@@ -205,7 +202,14 @@ def main():
     if words[0] == "--update":
         root = pathlib.Path(words[1])
         (root / "Data/case.schema.json").write_text(text)
-        (root / "docs/options.md").write_text(tables(schema))
+        folder = root / "docs/reference/commands"
+        folder.mkdir(parents=True, exist_ok=True)
+        pages = reference_pages(schema)
+        for path in folder.glob("*.md"):
+            if path.name not in pages:
+                path.unlink()
+        for name, page in pages.items():
+            (folder / name).write_text(page)
         return
     folder = pathlib.Path(words[0])
     pages = folder / "man1"

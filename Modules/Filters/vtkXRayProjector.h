@@ -42,9 +42,9 @@ public:
 
   ///@{
   /**
-   * Path of a scene file (docs/scene.md) with samples or a mesh, source and detector. The filter
-   * then needs no input, and only DeviceName and ProjectionMethod of its properties count. Default
-   * empty.
+   * Path of a scene file (docs/reference/scene-files.md) with samples or a mesh, source and
+   * detector. The filter then needs no input, and only DeviceName and ProjectionMethod of its
+   * properties count. Default empty.
    */
   void SetSceneFile(const char* path);
   vtkGetCharFromStdStringMacro(SceneFile);

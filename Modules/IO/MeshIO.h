@@ -38,7 +38,7 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::strin
  * are as FromPolyData has them. Note gets a line where the file's floats have rounded
  * its coordinates by more than a millionth of the part. Throws InputError on a missing, damaged or
  * empty file, and on contents of glTF that would be shown differently elsewhere (skins, morph
- * targets, required extensions). What each format may hold: docs/meshes.md.
+ * targets, required extensions). What each format may hold: docs/reference/file-formats.md.
  */
 MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
   std::vector<std::string>* materialNames = nullptr);

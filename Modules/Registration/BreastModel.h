@@ -103,8 +103,8 @@ private:
 
 /**
  * Largest number of cells of a mesh that is simulated as it is: 20000 quadratic or 150000 linear
- * ones, whose cold start takes about a minute and a gigabyte (docs/speed.md). Larger meshes
- * are carried by a coarser one, on which each equilibrium of a search takes seconds.
+ * ones, whose cold start takes about a minute and a gigabyte (Validation/reports/speed.md). Larger
+ * meshes are carried by a coarser one, on which each equilibrium of a search takes seconds.
  */
 MAMMORAYREGISTRATION_EXPORT std::size_t MostSimulationCells(ElementType element);
 

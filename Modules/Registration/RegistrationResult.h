@@ -202,7 +202,8 @@ struct RegistrationResult
 
 /// Tissue correlations (Similarity::TissueCorrelation) from which on pictures are those of one
 /// breast, and below which they are not. Of wrong results (of another breast, or off by more than 5
-/// mm) the most was 0.47, of right ones 4 % have less than 0.55 (docs/accuracy.md, "Trust").
+/// mm) the most was 0.47, of right ones 4 % have less than 0.55 (Validation/reports/accuracy.md,
+/// "Trust").
 inline constexpr double GoodTissueCorrelation = 0.55;
 inline constexpr double LeastTissueCorrelation = 0.3;
 
@@ -238,7 +239,7 @@ MAMMORAYREGISTRATION_EXPORT Similarity Compare(const SyntheticMammogram& synthet
  * point. It is the root of the sum of squares of a constant, mm, and of a share of the point's
  * deformation, which is its displacement less the rigid motion of the tissue between the plates.
  * Two standard deviations hold 95 % of the coordinates in virtual studies of patients' anatomies,
- * and more in phantoms (docs/accuracy.md, "How sure").
+ * and more in phantoms (Validation/reports/accuracy.md, "How sure").
  */
 inline constexpr double ModelErrorMm = 0.3;
 inline constexpr double ModelErrorShare = 0.12;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every label volume and closed surface at hand, by both ways. All but one of them run only with
 // MAMMORAY_LONG_TESTS=1, and each only where its file is. With MAMMORAY_MESH_PAGE=FOLDER they leave
-// the rows of docs/meshes.md (table.md) and pictures of the cuts in that folder.
+// the rows of Validation/reports/meshes.md (table.md) and pictures of the cuts in that folder.
 #include "CommandTest.h"
 #include "Files.h"
 #include "SurfaceShapes.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what docs/architecture.md promises of the sources, and says each breach in a line:
+"""Checks what docs/develop/architecture.md promises of the sources, and says each breach in a line:
 
 - an include goes from an upper module to a lower one and never the other way, nor between neighbours;
 - a module names in its vtk.module what its public headers include;
@@ -9,7 +9,7 @@
 - no text of a module names an option of the command line: errors name fields (RefusedField);
 - nothing but Validation and the tests includes headers of Validation, which may include everything;
 - every module has a README, and every source of it is listed in CMakeLists.txt;
-- a source that docs/architecture.md names is there.
+- a source that docs/develop/architecture.md names is there.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
 """
@@ -143,12 +143,12 @@ def check_rooms(root, modules, wrong):
 
 
 def check_names(root, wrong):
-    page = root / "docs/architecture.md"
+    page = root / "docs/develop/architecture.md"
     names = re.findall(r"`([\w/]+\.(?:h|cxx|py|comp|rgen|rahit|rmiss))`", page.read_text()) if page.exists() else []
     there = [p.as_posix() for top in ("Modules", "Applications", "Wrapping", "Testing", "shaders") for p in (root / top).rglob("*.*")]
     for name in sorted(set(names)):
         if not any(p.endswith("/" + name) for p in there):
-            wrong.append(f"docs/architecture.md: there is no {name}")
+            wrong.append(f"docs/develop/architecture.md: there is no {name}")
 
 
 def main():

@@ -49,7 +49,7 @@ BREACHES = {
     "Modules/IO/Unlisted.cxx": ("", "does not list Unlisted.cxx"),
     "Wrapping/wrap.cxx": ('#include "Twins.h"\n', "must not include Twins.h of Validation"),
     "Applications/tool.cxx": ('#include "../Validation/Other.h"\n', "must not include ../Validation/Other.h"),
-    "docs/architecture.md": ("`Private/Own.h`, `Beams.cxx`\n", "there is no Beams.cxx"),
+    "docs/develop/architecture.md": ("`Private/Own.h`, `Beams.cxx`\n", "there is no Beams.cxx"),
     "Testing/IO/TestFiles.cxx": ('#include "mammoray/XRay/Private/Own.h"\n', "is private to XRay"),
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Data/case.schema.json and docs/options.md say what the program declares, and --help stays short.
+"""Data/case.schema.json and docs/reference/commands say what the program declares, and --help stays short.
 
 usage: checkOptions.py MAMMORAY PROJECT-FOLDER     exit 1: something is wrong; 125: a build without all commands
 """
@@ -31,9 +31,13 @@ def main():
     text = printed("--print-schema")
     schema = json.loads(text)
     definitions = schema["$defs"]
-    for name, made in (("Data/case.schema.json", text), ("docs/options.md", writeReference.tables(schema))):
-        if (root / name).read_text() != made:
+    pages = {f"docs/reference/commands/{name}": page for name, page in writeReference.reference_pages(schema).items()}
+    for name, made in {"Data/case.schema.json": text, **pages}.items():
+        if not (root / name).exists() or (root / name).read_text() != made:
             wrong.append(f"{name}: not what the program declares; writeReference.py MAMMORAY --update . writes it")
+    for path in (root / "docs/reference/commands").glob("*.md"):
+        if f"docs/reference/commands/{path.name}" not in pages:
+            wrong.append(f"{path.relative_to(root)}: of no command")
     declared = sum(len(writeReference.options_of(definition)) for definition in definitions.values())
     lines = {}
     for command, most in MOST_LINES.items():

@@ -57,9 +57,12 @@ with tempfile.TemporaryDirectory() as folder:
     assert complete("press --fr") == ""  # of the case file
     assert complete("press --mesh pr") == ""  # files are left to the shell
 
-tables = writeReference.tables(SCHEMA)
-for part in ("6 options; those of several commands counted for each, 7.", "| `--overwrite` |  |  | replace | `--help` |\n",
-             "| `--thickness` | mm, greater than 0 | by command | distance of the plates | `--help` | press, lift |\n",
-             "| `friction` | FLOAT, not less than 0 | 0 | of the plates | case file |\n",
-             "| `--sizes` | mm, greater than 0 | [3.0,1.5] | coarse to fine | `--help` |\n"):
-    expect(part, tables)
+pages = writeReference.reference_pages(SCHEMA)
+assert sorted(pages) == ["index.md", "lift.md", "press.md", "scene-keys.md"], sorted(pages)
+for part in ("# mammoray press\n", "mammoray press --mesh a.vtu", "\n## Of every command\n", "| `--overwrite` |  |  | replace |\n",
+             "| `--thickness` | mm, greater than 0 | 50 | distance of the plates |\n", "| `--mesh` | PATH |  | to press (required) |\n",
+             "\n## Patient, shown by --help-all\n", "| `-s, --side` | left, right |  | the patient's own |\n",
+             "\n## Settings of the case file\n", "| `friction` | FLOAT, not less than 0 | 0 | of the plates |\n"):
+    expect(part, pages["press.md"])
+expect("| `--sizes` | mm, greater than 0 | [3.0,1.5] | coarse to fine |\n", pages["lift.md"])
+expect("| [press](press.md) | Press a body |\n", pages["index.md"])

@@ -348,7 +348,7 @@ _PARTS = {"source": Source, "detector": Detector, "beam": Beam, "scatter": Scatt
 
 
 class Scene(_Part):
-    """Everything that one picture depends on. Lengths are mm, in one frame; scene files (docs/scene.md) hold the same.
+    """Everything that one picture depends on. Lengths are mm, in one frame; scene files (docs/reference/scene-files.md) hold the same.
 
     samples: a Sample or several; a Mesh counts as one whose regions are those of `materials`
     materials: of the regions: {1: Material(...), ...}, a list of those of regions 1, 2, ..., or a table's name or file; a number is a
@@ -547,7 +547,7 @@ class Scene(_Part):
 
 
 def load_scene(path: Union[str, os.PathLike[str]]) -> Scene:
-    """Reads a scene file (docs/scene.md) with its meshes. Raises InputError, which names the place in the file."""
+    """Reads a scene file (docs/reference/scene-files.md) with its meshes. Raises InputError, which names the place in the file."""
     path = os.fspath(path)
     described = json.loads(_xray.read_scene(path))
     scene = Scene()

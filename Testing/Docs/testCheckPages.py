@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each fault that checkPages.py looks for is found in a folder that has it, and none in one without."""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+CHECK = pathlib.Path(__file__).resolve().parent / "checkPages.py"
+PAGE = "# A page\n\n## Two words\n\nSee [the other](other.md#first-part) and [above](#two-words).\n"
+OTHER = "# Other\n\n## First part\n\nA line. `[no](link.md)`\n"
+FAULTS = {
+    "there is no none.md": "[x](none.md)\n",
+    "there is no heading other.md#second": "[x](other.md#second)\n",
+    "there is no heading #nowhere": "[x](#nowhere)\n",
+    "there is no none.png": "![x](none.png)\n",
+    "expected at most 15000 words": "word " * 15001 + "\n",
+    "does not list it": "```sh run\ntrue\n```\n",
+}
+if shutil.which("aspell"):
+    FAULTS["unknown words: speling"] = "The speling is wrong.\n"
+
+
+def run(fault):
+    with tempfile.TemporaryDirectory() as name:
+        root = pathlib.Path(name)
+        for folder in ("docs", "Testing/Docs"):
+            (root / folder).mkdir(parents=True)
+        (root / "docs/page.md").write_text(PAGE + fault)
+        (root / "docs/other.md").write_text(OTHER)
+        (root / "README.md").write_text("# A page\n")
+        (root / "Testing/Docs/CMakeLists.txt").write_text("set(pages other)\n")
+        (root / "words.txt").write_text("mammoray\n")
+        done = subprocess.run([sys.executable, CHECK, root, root / "words.txt"], capture_output=True, text=True)
+        return done.returncode, done.stdout
+
+
+status, output = run("")
+assert status == 0, output
+for expected, fault in FAULTS.items():
+    status, output = run(fault)
+    assert status == 1 and expected in output, f"expected {expected!r} in:\n{output}"
