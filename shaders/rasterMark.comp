@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the fine grid that is looked at: marks a ray whose crossings do not cancel and
-// clears its sums, such that it can be traced again. Marks that are set stay.
+// One invocation per pixel of the fine grid that is looked at: marks a ray whose crossings do not cancel with the
+// attempt and clears its sums, such that it can be traced again. If the attempt runs a second time, so do its rays.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
 
@@ -15,11 +15,11 @@ void main()
   const uint row = parameters.Top - parameters.FirstRow + gl_GlobalInvocationID.y;
   const uint index = row * parameters.Columns + column;
   const uint pairs = (parameters.Materials - 1u) * pairsPerMaterial();
-  if (marks[index] == 0u && isSound(index * pairs))
+  if (marks[index] != parameters.Again && isSound(index * pairs))
   {
     return;
   }
-  marks[index] = 1u;
+  marks[index] = parameters.Again;
   for (uint pair = 0u; pair < pairs; ++pair)
   {
 #ifdef MAMMORAY_INT64

@@ -10,12 +10,6 @@ layout(set = 0, binding = MAMMORAY_RASTER_LENGTHS, std430) writeonly buffer Leng
 {
   float lengths[];
 };
-// Number of samples per pixel whose crossings do not cancel; then the number of pixels in work that have any.
-layout(set = 0, binding = MAMMORAY_RASTER_FAILURES, std430) buffer FailureBuffer
-{
-  uint failures[];
-};
-
 // Rates per pixel, in units of their sums; [(field * Materials + material) * PixelCount + pixel].
 layout(set = 0, binding = MAMMORAY_RASTER_RATES, std430) writeonly buffer RateBuffer
 {

@@ -39,6 +39,10 @@ void main()
         addCrossing(triangle, column, firstRow + uint(findLSB(crossed)));
         crossed &= crossed - 1u;
       }
+      if (Reverse && triangle.Gradient != Real3(0))
+      {
+        storeGradient(index, triangle);
+      }
     }
   }
 }

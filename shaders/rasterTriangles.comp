@@ -113,6 +113,10 @@ void main()
     if (parameters.Again == 0u)
     {
       addCrossings(index, triangle, uvec2(low), uvec2(extent));
+      if (Reverse && triangle.Gradient != Real3(0))
+      {
+        storeGradient(index, triangle);
+      }
       return;
     }
     if (!anyTraced(low, high))

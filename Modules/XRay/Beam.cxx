@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 
 namespace mammoray
 {
@@ -491,6 +492,72 @@ void Beam::AddTransmission(const PathLengthImage& image, double weight,
         (*variance)[pixel] += weight * (spread - openVariance);
       }
     });
+}
+
+std::vector<float> Beam::Backward(const PathLengthImage& image,
+  const std::vector<double>& lossByTransmission, std::vector<double>& lossByAttenuation,
+  std::vector<double>& lossByWeight) const
+{
+  this->CheckMaterials(image.Materials);
+  const std::size_t pixelCount = image.NumberOfPixels();
+  const auto materials = static_cast<std::size_t>(image.Materials);
+  const auto stride = static_cast<std::size_t>(this->MaterialCount);
+  std::vector<float> losses(pixelCount * materials, 0.0F);
+  std::mutex adding;
+  ParallelRanges(pixelCount, PixelsPerThread,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<double> transmitted(this->Weights.size());
+      std::vector<double> lengths(materials);
+      std::vector<double> slopes(materials);
+      std::vector<double> attenuation(materials, 0.0);
+      std::vector<double> weights(this->Weights.size(), 0.0);
+      for (std::size_t pixel = begin; pixel < end; ++pixel)
+      {
+        const double loss = lossByTransmission[pixel];
+        for (std::size_t material = 1; material < materials; ++material)
+        {
+          lengths[material] = image.Lengths[material * pixelCount + pixel];
+        }
+        double sum = 0;
+        std::fill(slopes.begin(), slopes.end(), 0.0);
+        for (std::size_t energy = 0; loss != 0 && energy < this->Weights.size(); ++energy)
+        {
+          const double* mu = &this->Mu[energy * stride];
+          double exponent = 0;
+          for (std::size_t material = 1; material < materials; ++material)
+          {
+            exponent -= mu[material] * lengths[material];
+          }
+          transmitted[energy] = FastExp(exponent);
+          const double photons = this->Weights[energy] * transmitted[energy];
+          sum += photons;
+          for (std::size_t material = 1; material < materials; ++material)
+          {
+            slopes[material] -= photons * mu[material];
+          }
+        }
+        for (std::size_t energy = 0; loss != 0 && energy < this->Weights.size(); ++energy)
+        {
+          weights[energy] += loss * this->Weights[energy] * (transmitted[energy] - sum);
+        }
+        for (std::size_t material = 1; material < materials; ++material)
+        {
+          losses[material * pixelCount + pixel] = static_cast<float>(loss * slopes[material]);
+          attenuation[material] += loss * slopes[material] * lengths[material];
+        }
+      }
+      const std::lock_guard lock(adding);
+      for (std::size_t material = 1; material < materials; ++material)
+      {
+        lossByAttenuation[material] += attenuation[material];
+      }
+      for (std::size_t energy = 0; energy < weights.size(); ++energy)
+      {
+        lossByWeight[energy] += weights[energy];
+      }
+    });
+  return losses;
 }
 
 std::vector<float> Beam::MeanAttenuation(const PathLengthImage& image) const

@@ -100,6 +100,15 @@ public:
    * column], 0 for air.
    */
   std::vector<float> MeanAttenuation(const PathLengthImage& image) const;
+  /**
+   * The reverse of Transmission. From dLoss / dTransmission of each pixel it gives dLoss / dLength,
+   * 1/mm, in the order of PathLengthImage::Lengths. It adds the loss's derivatives with respect to
+   * a relative change of each material's attenuation at all energies, and of the number of photons
+   * at each energy of EnergyWeights. Sizes must fit.
+   */
+  std::vector<float> Backward(const PathLengthImage& image,
+    const std::vector<double>& lossByTransmission, std::vector<double>& lossByAttenuation,
+    std::vector<double>& lossByWeight) const;
   /// Transmission of one ray; `lengthsMm[m]` for each material.
   double Transmission(const double* lengthsMm) const;
   /// -ln(I / I0) of one ray.

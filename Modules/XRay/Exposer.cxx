@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Exposer.h"
 
+#include "Private/ExposureViews.h"
 #include "Private/FollowedPhotons.h"
+#include "Private/PoseGradient.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Refraction.h"
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace mammoray
@@ -47,6 +50,69 @@ double DistanceToDetector(const SurfaceMesh& surface, const Scene& scene)
   const Vector3 normal = DetectorPlane(scene.Source, scene.Detector).Normal;
   const Extent extent = ExtentsAlong<1>({ normal }, surface.Points)[0];
   return std::abs(extent.Middle() - Dot(normal, scene.Detector.Origin));
+}
+
+void RefuseIrreversible(const Scene& scene)
+{
+  const ExposureOptions& detection = scene.Detection;
+  const char* const found = scene.Refraction                                 ? "refraction"
+    : scene.Scatter.Method != SceneScatter::Model::None || detection.Scatter ? "scatter"
+    : detection.PhotonsPerPixel > 0                                          ? "noise"
+                                                                             : nullptr;
+  if (found)
+  {
+    throw InputError(
+      std::string("gradient: expected an exposure without noise, scatter and refraction, found ") +
+      found);
+  }
+}
+
+void RequireSize(const std::string& what, const std::vector<float>& values, std::size_t count)
+{
+  if (!values.empty() && values.size() != count)
+  {
+    throw InputError("gradient: expected derivatives with respect to " + std::to_string(count) +
+      " " + what + ", found " + std::to_string(values.size()));
+  }
+}
+
+/// dLoss / dTransmission of each view, before blur and open field; empty where there is none.
+std::vector<double> LossBehindDetector(const Scene& scene, const Exposer::Loss& loss, double weight)
+{
+  RequireSize("transmissions", loss.Transmission, scene.Detector.NumberOfPixels());
+  std::vector<double> values(loss.Transmission.begin(), loss.Transmission.end());
+  if (values.empty())
+  {
+    return values;
+  }
+  const ExposureOptions options = WithField(scene);
+  if (options.HalfModulationPerMm > 0)
+  {
+    TransposeBlur(scene.Detector, options.HalfModulationPerMm, values);
+  }
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+  {
+    values[pixel] *= weight * (options.OpenField.empty() ? 1.0 : options.OpenField[pixel]);
+  }
+  return values;
+}
+
+/// The transpose of the step from the scene's source and detector to a view's.
+void AddPose(const ExposureView& view, const PoseGradient& pose, Exposer::Gradient& gradient)
+{
+  gradient.Source = gradient.Source + pose.Source;
+  gradient.Origin = gradient.Origin + pose.Origin;
+  // A point of the focal spot is beside its middle along the unit vectors of the steps.
+  const auto turned = [&](const Vector3& step, double distanceMm)
+  {
+    const double length = Norm(step);
+    const Vector3 unit = (1 / length) * step;
+    return (distanceMm / length) * (pose.Source - Dot(pose.Source, unit) * unit);
+  };
+  gradient.ColumnStep = gradient.ColumnStep + pose.ColumnStep + view.SampleColumn * pose.Origin +
+    turned(view.Detector.ColumnStep, view.SpotColumnMm);
+  gradient.RowStep = gradient.RowStep + pose.RowStep + view.SampleRow * pose.Origin +
+    turned(view.Detector.RowStep, view.SpotRowMm);
 }
 
 /// What a scatter model depends on.
@@ -304,6 +370,54 @@ Exposer::Derivatives Exposer::Differentiate(const Scene& scene, const VectorFiel
     internal.Projector->Project(scene.Source, scene.Detector, velocities, derivatives.Lengths);
   derivatives.MeanAttenuation = beam.MeanAttenuation(derivatives.Image);
   return derivatives;
+}
+
+Exposer::Gradient Exposer::Backward(const Scene& scene, const Loss& loss)
+{
+  Internals& internal = *this->Internal;
+  scene.Validate();
+  RefuseIrreversible(scene);
+  internal.Load(scene);
+  const Beam beam = MakeBeam(scene, internal.Materials);
+  internal.Aim(scene);
+  const std::vector<ExposureView> views = ViewsOf(scene.Source, scene.Detector, scene.Detection);
+  const double weight = 1.0 / static_cast<double>(views.size());
+  const std::vector<double> transmission = LossBehindDetector(scene, loss, weight);
+  const std::size_t lengthCount = scene.Detector.NumberOfPixels() * internal.Materials.size();
+  RequireSize("lengths", loss.Lengths, lengthCount);
+
+  Gradient gradient;
+  gradient.Points.assign(internal.Surface->Points.size(), 0.0);
+  gradient.Attenuation.assign(scene.Materials.Materials.size(), 0.0);
+  std::vector<double> spectrum(beam.EnergyWeights().size(), 0.0);
+  for (const ExposureView& view : views)
+  {
+    const std::shared_ptr<const PathLengthImage> image =
+      internal.Project(view.Source, view.Detector);
+    std::vector<float> lengths = transmission.empty()
+      ? std::vector<float>(lengthCount, 0.0F)
+      : beam.Backward(*image, transmission, gradient.Attenuation, spectrum);
+    for (std::size_t index = 0; index < loss.Lengths.size(); ++index)
+    {
+      lengths[index] += static_cast<float>(weight) * loss.Lengths[index];
+    }
+    const std::vector<double> points =
+      internal.Projector->Backward(view.Source, view.Detector, lengths);
+    std::transform(points.begin(), points.end(), gradient.Points.begin(), gradient.Points.begin(),
+      std::plus<>());
+    AddPose(view,
+      PoseGradientOf(internal.Surface->Points, points, view.Source, view.Detector, *image, lengths),
+      gradient);
+  }
+  gradient.Spectrum.assign(scene.XRays.Weights.size(), 0.0);
+  for (std::size_t bin = 0, energy = 0; bin < gradient.Spectrum.size(); ++bin)
+  {
+    if (scene.XRays.Weights[bin] > 0)
+    {
+      gradient.Spectrum[bin] = spectrum[energy++] / scene.XRays.Weights[bin];
+    }
+  }
+  return gradient;
 }
 
 std::size_t Exposer::NumberOfTraces() const

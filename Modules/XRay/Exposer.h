@@ -62,6 +62,40 @@ public:
   /// Expose.
   Derivatives Differentiate(const Scene& scene, const VectorFields& velocities);
 
+  /// Derivatives of a number, the loss, with respect to parts of an exposure. One or both.
+  struct Loss
+  {
+    /// dLoss / dTransmission; Rows * Columns values. With respect to LogAttenuation: divide by -T.
+    std::vector<float> Transmission;
+    /// dLoss / dLength of Exposure::Lengths, 1/mm, in its order.
+    std::vector<float> Lengths;
+  };
+  /// Derivatives of the loss with respect to what the scene consists of.
+  struct Gradient
+  {
+    /// 3 x pointCount, of the points of Load's surface, 1/mm.
+    std::vector<double> Points;
+    /// Of a relative change of a material's attenuation at all energies, or of its density. By
+    /// Scene::Materials; divide by mu for that of mu where there is one energy.
+    std::vector<double> Attenuation;
+    /// By Scene::XRays.Weights; 0 for energies without photons.
+    std::vector<double> Spectrum;
+    /// Of the position of a point source, or the direction of a parallel beam.
+    Vector3 Source{ 0, 0, 0 };
+    /// Of the detector's place and steps.
+    Vector3 Origin{ 0, 0, 0 };
+    Vector3 ColumnStep{ 0, 0, 0 };
+    Vector3 RowStep{ 0, 0, 0 };
+  };
+  /**
+   * The gradient of a loss whose derivatives with respect to this scene's exposure are known, in
+   * reverse mode: it costs about two projections for each point of the focal spot and sample,
+   * whatever the number of points. Focal spot, averaged samples and blur are differentiated; an
+   * open field is taken for constant. Throws as Expose, and InputError on noise, scatter,
+   * refraction and sizes that do not fit.
+   */
+  Gradient Backward(const Scene& scene, const Loss& loss);
+
   /// How often rays have been traced: once for each point of the focal spot and each sample.
   std::size_t NumberOfTraces() const;
   /// Opens the device.

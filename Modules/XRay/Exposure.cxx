@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Exposure.h"
 
-#include "Private/SampleGrid.h"
+#include "Private/ExposureViews.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
-#include "mammoray/Foundation/Raster.h"
 #include "mammoray/XRay/Scatter/Photons.h"
 
 #include <algorithm>
@@ -58,48 +57,6 @@ double PoissonNumber(double mean, RandomStream& random)
       return k;
     }
   }
-}
-
-std::vector<XRaySource> SpotSources(const XRaySource& source, const XRayDetector& detector,
-  const ExposureOptions& options)
-{
-  if (options.FocalSpotColumnMm == 0 && options.FocalSpotRowMm == 0)
-  {
-    return { source };
-  }
-  if (source.Type == XRaySource::Kind::Parallel)
-  {
-    throw InputError("exposure: expected a point source for a focal spot, found a parallel beam");
-  }
-  const Vector3 u = (1 / Norm(detector.ColumnStep)) * detector.ColumnStep;
-  const Vector3 v = (1 / Norm(detector.RowStep)) * detector.RowStep;
-  const int columns = options.FocalSpotColumnMm > 0 ? options.FocalSpotSamples : 1;
-  const int rows = options.FocalSpotRowMm > 0 ? options.FocalSpotSamples : 1;
-  std::vector<XRaySource> sources;
-  for (const double row : GridOffsets(rows, options.FocalSpotRowMm))
-  {
-    for (const double column : GridOffsets(columns, options.FocalSpotColumnMm))
-    {
-      sources.push_back(source);
-      sources.back().Position = source.Position + column * u + row * v;
-    }
-  }
-  return sources;
-}
-
-/// One detector per sample within the pixels.
-std::vector<XRayDetector> SampleDetectors(const XRayDetector& detector)
-{
-  RequireBetween("exposure", "samples", detector.Samples, 1, 16);
-  std::vector<XRayDetector> detectors;
-  for (const auto& [column, row] : SampleOffsets(detector.Samples))
-  {
-    detectors.push_back(detector);
-    detectors.back().Samples = 1;
-    detectors.back().Origin =
-      detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
-  }
-  return detectors;
 }
 
 void AddLengths(const PathLengthImage& image, float weight, std::shared_ptr<PathLengthImage>& mean)
@@ -184,83 +141,6 @@ void ForEachPixel(std::size_t count, const Visit& visit)
     });
 }
 
-/// Taps farther from the middle are below single precision.
-constexpr int MostTaps = 64;
-constexpr double SmallestTap = 1e-7;
-constexpr int Frequencies = 2000;
-
-/// Convolves all lines along an axis with a symmetric kernel, given from its middle on.
-void BlurAlong(const RasterShape& shape, int axis, const std::vector<double>& kernel,
-  std::vector<double>& image)
-{
-  FilterLines(shape, axis, static_cast<int>(kernel.size()) - 1, image,
-    [&](const std::vector<double>& padded, std::size_t lanes, std::vector<double>& result)
-    {
-      const std::size_t middle = (kernel.size() - 1) * lanes;
-      for (std::size_t n = 0; n < result.size(); ++n)
-      {
-        result[n] = kernel[0] * padded[n + middle];
-      }
-      // Tap by tap, so that processors add several pixels at once.
-      for (std::size_t tap = 1; tap < kernel.size(); ++tap)
-      {
-        const double* const before = padded.data() + middle - tap * lanes;
-        const double* const after = padded.data() + middle + tap * lanes;
-        for (std::size_t n = 0; n < result.size(); ++n)
-        {
-          result[n] += kernel[tap] * (before[n] + after[n]);
-        }
-      }
-      return true;
-    });
-}
-
-/**
- * The middle and one side of a convolution kernel along a line of pixels, with the modulation
- * transfer function exp(-ln 2 (f / half)^2) up to the Nyquist frequency: 1 at 0, 1/2 at `half`
- * (cycles per mm). The sum of the whole kernel is 1.
- */
-std::vector<double> BlurKernel(double half, double pixelMm)
-{
-  std::vector<double> kernel;
-  for (int tap = 0; tap < MostTaps; ++tap)
-  {
-    // The mean over frequencies of the transfer's Fourier series.
-    double sum = 0;
-    for (int n = 0; n < Frequencies; ++n)
-    {
-      const double cycles = 0.5 * (n + 0.5) / Frequencies; // per pixel
-      const double relative = cycles / (half * pixelMm);
-      sum += std::exp(-std::numbers::ln2 * relative * relative) *
-        std::cos(2 * std::numbers::pi * cycles * tap);
-    }
-    kernel.push_back(sum / Frequencies);
-  }
-  while (kernel.size() > 1 && std::abs(kernel.back()) < SmallestTap)
-  {
-    kernel.pop_back();
-  }
-  double whole = kernel[0];
-  for (std::size_t tap = 1; tap < kernel.size(); ++tap)
-  {
-    whole += 2 * kernel[tap];
-  }
-  for (double& value : kernel)
-  {
-    value /= whole;
-  }
-  return kernel;
-}
-
-/// Convolves rows and columns; beyond its borders the image continues with its border values.
-void Blur(std::vector<double>& image, int columns, int rows, const std::vector<double>& alongRows,
-  const std::vector<double>& alongColumns)
-{
-  const RasterShape shape(columns, rows);
-  BlurAlong(shape, 0, alongRows, image);
-  BlurAlong(shape, 1, alongColumns, image);
-}
-
 /// From mean transmissions, and their variances where there is noise, to what is detected.
 void Detect(const XRayDetector& detector, const ExposureOptions& options,
   const std::vector<double>& variance, std::vector<double>& transmission)
@@ -277,9 +157,7 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
   }
   if (options.HalfModulationPerMm > 0)
   {
-    Blur(transmission, detector.Columns, detector.Rows,
-      BlurKernel(options.HalfModulationPerMm, Norm(detector.ColumnStep)),
-      BlurKernel(options.HalfModulationPerMm, Norm(detector.RowStep)));
+    BlurImage(detector, options.HalfModulationPerMm, transmission);
   }
   if (options.ElectronicNoisePhotons > 0)
   {
@@ -302,8 +180,7 @@ Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
   const ProgressCallback& progress)
 {
   options.Validate();
-  const std::vector<XRaySource> sources = SpotSources(source, detector, options);
-  const std::vector<XRayDetector> detectors = SampleDetectors(detector);
+  const std::vector<ExposureView> views = ViewsOf(source, detector, options);
   const bool noise = options.PhotonsPerPixel > 0;
   const std::size_t pixelCount = detector.NumberOfPixels();
   if (!options.OpenField.empty() && options.OpenField.size() != pixelCount)
@@ -312,37 +189,34 @@ Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
       " pixels, found " + std::to_string(options.OpenField.size()));
   }
   Exposure exposure;
-  if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
+  if (views.size() == 1 && !noise && options.OpenField.empty() &&
     options.HalfModulationPerMm == 0 && !options.Scatter)
   {
-    exposure.Lengths = pathLengths(sources.front(), detectors.front());
+    exposure.Lengths = pathLengths(views.front().Source, views.front().Detector);
     exposure.Transmission = beam.Transmission(*exposure.Lengths);
     exposure.LogAttenuation = beam.LogAttenuation(*exposure.Lengths);
     return exposure;
   }
   std::vector<double> transmission(pixelCount, 0.0);
   std::vector<double> variance(noise ? pixelCount : 0, 0.0);
-  const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
+  const double weight = 1.0 / static_cast<double>(views.size());
   double done = 0;
   std::shared_ptr<PathLengthImage> mean;
-  for (const XRaySource& point : sources)
+  for (const ExposureView& view : views)
   {
-    for (const XRayDetector& sample : detectors)
+    ReportProgress(progress, done, "projecting");
+    const std::shared_ptr<const PathLengthImage> image = pathLengths(view.Source, view.Detector);
+    if (weight == 1)
     {
-      ReportProgress(progress, done, "projecting");
-      const std::shared_ptr<const PathLengthImage> image = pathLengths(point, sample);
-      if (weight == 1)
-      {
-        exposure.Lengths = image;
-      }
-      else
-      {
-        AddLengths(*image, static_cast<float>(weight), mean);
-        exposure.Lengths = mean;
-      }
-      beam.AddTransmission(*image, weight, transmission, noise ? &variance : nullptr);
-      done += weight;
+      exposure.Lengths = image;
     }
+    else
+    {
+      AddLengths(*image, static_cast<float>(weight), mean);
+      exposure.Lengths = mean;
+    }
+    beam.AddTransmission(*image, weight, transmission, noise ? &variance : nullptr);
+    done += weight;
   }
   AddFields(options, *exposure.Lengths, variance, transmission);
   Detect(detector, options, variance, transmission);

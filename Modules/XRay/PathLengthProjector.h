@@ -205,6 +205,17 @@ public:
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const VectorFields& velocities, PathLengthDerivatives& derivatives) = 0;
   /**
+   * The reverse of derivatives: from dLoss / dLength of each pixel and material, 1/mm of any unit
+   * of the loss, in the order of PathLengthImage::Lengths, the gradient of the loss with respect to
+   * every point, 3 x pointCount. It is the transpose of the derivatives of Project (see
+   * PathLengthDerivatives, of whose rounding only that of normals and barycentric coordinates is
+   * left), and costs about as much as two images, however many points there are. Rays that are
+   * inconsistent contribute nothing. Throws InputError if sizes do not fit and on a derivative that
+   * is not finite. Transmission needs another Project afterwards.
+   */
+  virtual std::vector<double> Backward(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<float>& lossByLength) = 0;
+  /**
    * Transmission I / I0 of each pixel of the last Project or Render by the Beer-Lambert law; Rows *
    * Columns values. It is computed on the device from the path lengths that are still there, so
    * that changing the spectrum or a material needs no tracing, and one image is read back whatever

@@ -59,6 +59,11 @@ public:
   {
     throw Error("no derivatives");
   }
+  std::vector<double> Backward(const XRaySource&, const XRayDetector&,
+    const std::vector<float>&) override
+  {
+    throw Error("no gradient");
+  }
   std::vector<float> Transmission(const Beam&) override { throw Error("no device"); }
   std::string DeviceName() const override { return "counter"; }
   ProjectorOptions::Method Method() const override

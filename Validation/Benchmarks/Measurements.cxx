@@ -160,7 +160,8 @@ void MeasureMaterials(const ExampleScene& scene, ProjectorOptions::Method method
   result["threeMaterialsRatio"] = MedianRatio(times[1], times[0]);
 }
 
-/// Eight fields of derivatives in the same pass against none.
+/// Eight fields of derivatives in the same pass, and the gradient with respect to all points, each
+/// against a frame.
 void MeasureDerivatives(const ExampleScene& scene, PathLengthProjector& projector, double budget,
   Json& result)
 {
@@ -175,11 +176,16 @@ void MeasureDerivatives(const ExampleScene& scene, PathLengthProjector& projecto
     }
   }
   PathLengthDerivatives derivatives;
+  const PathLengthImage image = projector.Project(scene.Source, scene.Detector);
+  const std::vector<float> losses(image.Lengths.size(), 1.0F);
   const auto times = InTurn(budget,
     { [&] { projector.Project(scene.Source, scene.Detector); },
-      [&] { projector.Project(scene.Source, scene.Detector, velocities, derivatives); } });
+      [&] { projector.Project(scene.Source, scene.Detector, velocities, derivatives); },
+      [&] { projector.Backward(scene.Source, scene.Detector, losses); } });
   result["eightDerivatives"] = Summary(times[1]);
   result["eightDerivativesRatio"] = MedianRatio(times[1], times[0]);
+  result["gradient"] = Summary(times[2]);
+  result["gradientRatio"] = MedianRatio(times[2], times[0]);
 }
 
 #ifdef MAMMORAY_HAS_EMBREE

@@ -39,6 +39,7 @@ def case_table(report):
         "refit / build": ("refitRatio", "%.2f"), "bytes / triangle (with image)": ("bytesPerTriangle", "%.0f"),
         "3 materials / 1": ("threeMaterialsRatio", "%.2f"), "100 energies / 1": ("hundredEnergiesRatio", "%.2f"),
         "the same on the device": ("hundredEnergiesOnDeviceRatio", "%.2f"), "8 derivatives / none": ("eightDerivativesRatio", "%.2f"),
+        "gradient of all points / frame": ("gradientRatio", "%.2f"),
         "holes seen": ("inconsistent", "%.0f")}
     rows = [begin(row) + [row["triangles"], pixels(row)] +
             ([row["error"]] if "error" in row else [cell(row, *column) for column in columns.values()]) for row in report["results"]]

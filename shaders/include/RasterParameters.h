@@ -87,14 +87,14 @@ struct RasterParameters
   MAMMORAY_RASTER_UINT(Triangles);
   // Entries there is room for in the list of tiles.
   MAMMORAY_RASTER_UINT(TileCapacity);
-  // Velocity fields whose derivatives are summed; unused without derivatives.
+  // Velocity fields whose derivatives are summed; in reverse mode not 0 where rays have marks.
   MAMMORAY_RASTER_UINT(Fields);
   // First and last column and row that are looked at, whole pixels of the detector.
   MAMMORAY_RASTER_UINT(Left);
   MAMMORAY_RASTER_UINT(Right);
   MAMMORAY_RASTER_UINT(Top);
   MAMMORAY_RASTER_UINT(Bottom);
-  // Not 0 when only marked rays are traced, a little beside.
+  // The attempt, from 0 on: later ones trace the rays that they mark only, a little beside.
   MAMMORAY_RASTER_UINT(Again);
   // Columns of the detector, and its first pixel in work.
   MAMMORAY_RASTER_UINT(PixelColumns);

@@ -12,7 +12,9 @@
 layout(constant_id = 0) const uint Capacity = 4;
 // Velocity fields whose derivatives are summed.
 layout(constant_id = 1) const uint Fields = 0;
-const uint RateRoom = Fields == 0u ? 1u : Capacity * Fields;
+// Whether the loss's gradient is added up (reverse mode); there are no fields then.
+layout(constant_id = 2) const bool Reverse = false;
+const uint RateRoom = Reverse ? Capacity : Fields == 0u ? 1u : Capacity * Fields;
 
 struct PathLengthRay
 {
@@ -30,7 +32,10 @@ struct PathLengthRay
   uint Doubtful;
   // Sum of t (front - back) per material, facing the source; mm.
   Real Lengths[Capacity];
-  // Sums of dt/dp in the same way; [material * Fields + field].
+  // In reverse mode, not zero when this ray's hits are added to the gradient.
+  uint Reversed;
+  // Sums of dt/dp in the same way; [material * Fields + field]. In reverse mode, the loss's derivative with respect
+  // to the length in each material, in units of the gradient's sums.
   float Rates[RateRoom];
 };
 

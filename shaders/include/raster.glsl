@@ -27,9 +27,13 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "Grazing.h"
 #include "RasterParameters.h"
+#define MAMMORAY_GRADIENT_BINDING MAMMORAY_RASTER_RATES
+#include "gradient.glsl"
 
 // Whether derivatives are summed.
 layout(constant_id = 0) const bool WithRates = false;
+// Whether the sums are those of the rays already, and the loss's gradient is added up (reverse mode).
+layout(constant_id = 1) const bool Reverse = false;
 
 layout(local_size_x = MAMMORAY_RASTER_GROUP) in;
 
@@ -70,13 +74,26 @@ layout(set = 0, binding = MAMMORAY_RASTER_VELOCITIES, std430) readonly buffer Ve
   float velocities[];
 };
 
+// In reverse mode, derivatives of the loss with respect to the length of a pixel, in units of the gradient's
+// sums; [material * PixelCount + pixel].
+layout(set = 0, binding = MAMMORAY_RASTER_VELOCITIES, std430) readonly buffer LossBuffer
+{
+  float losses[];
+};
+
+// Number of samples per pixel whose crossings do not cancel; then the number of pixels in work that have any.
+layout(set = 0, binding = MAMMORAY_RASTER_FAILURES, std430) buffer FailureBuffer
+{
+  uint failures[];
+};
+
 // Pairs per material: its length and its count of crossings, then the rates of two fields each.
 uint pairsPerMaterial()
 {
   return WithRates ? 1u + (parameters.Fields + 1u) / 2u : 1u;
 }
 
-// Not 0 for pixels of the rows in work whose rays are traced again.
+// For pixels of the rows in work: the last attempt with their rays, 0 for the first one.
 layout(set = 0, binding = MAMMORAY_RASTER_MARKS, std430) buffer MarkBuffer
 {
   uint marks[];
@@ -87,8 +104,9 @@ struct Triangle
   // Of the corners, as parameters.DepthOf measures it.
   Real3 Depths;
   // With derivatives only: the unit normal, 0 where the triangle has no area, and how fast the corners move
-  // along it, by field (loadSpeeds).
+  // along it, by field (loadSpeeds). In reverse mode, the gradient with respect to the corners along it.
   vec3 Normal;
+  Real3 Gradient;
   vec3 Speeds[MAMMORAY_RASTER_FIELDS];
   // Edge functions: their factors of column, row and 1. Edge i lies opposite of point i.
   Real3 Edges[3];
@@ -166,8 +184,9 @@ Triangle loadTriangle(uint index, out Real3 corners[3])
   const uint sides = materials[index];
   triangle.Front = sides & 0xffffu;
   triangle.Back = sides >> 16u;
-  if (WithRates)
+  if (WithRates || Reverse)
   {
+    triangle.Gradient = Real3(0);
     const Real3 normal = cross(points[1] - points[0], points[2] - points[0]);
     const Real size = sqrt(dot(normal, normal));
     triangle.Normal = size > 0 ? vec3(normal / size) : vec3(0);
@@ -233,11 +252,11 @@ int roundToInt(Real value)
 #endif
 }
 
-// Whether the ray of a pixel of the rows in work is traced.
+// Whether the ray of a pixel of the rows in work is traced: in this attempt, in reverse mode in no later one.
 bool isTraced(uint column, uint row)
 {
-  return parameters.Again == 0u ||
-    marks[(row - parameters.FirstRow) * parameters.Columns + column] != 0u;
+  return (parameters.Again == 0u && !(Reverse && parameters.Fields != 0u)) ||
+    marks[(row - parameters.FirstRow) * parameters.Columns + column] == parameters.Again;
 }
 
 // From the source to the pixel, mm; of a parallel beam a unit vector: the ray's length per depth.
@@ -248,8 +267,57 @@ Real3 rayOf(uint column, uint row)
   return parameters.Source.w != 0 ? pixel - parameters.Source.xyz : parameters.Source.xyz;
 }
 
+// What a velocity of the corners along the normal, times these factors, adds to the length that the ray leaves:
+// dt/dp = n . v / (n . d), v being the velocity where the ray hits.
+vec3 rateFactors(
+  in Triangle triangle, Real3 values, bool facesSource, uint columnIndex, uint rowIndex)
+{
+  const Real whole = values.x + values.y + values.z;
+  const vec3 weights = whole != 0 ? vec3(values / whole) : vec3(1, 0, 0);
+  const Real3 along = rayOf(columnIndex, rowIndex);
+  const vec3 direction = vec3(along * (1 / sqrt(dot(along, along))));
+  const float cosine = max(abs(dot(triangle.Normal, direction)), MAMMORAY_GRAZING_COSINE);
+  return (facesSource ? -1.0 : 1.0) / cosine * weights;
+}
+
+// In reverse mode: adds a crossing of a ray that can be trusted to the gradient with respect to the corners.
+void addToGradient(inout Triangle triangle, Real3 values, bool facesSource, uint left, uint entered,
+  uint columnIndex, uint rowIndex)
+{
+  const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
+  if (!isTraced(columnIndex, rowIndex) || !isSound(place * (parameters.Materials - 1u)))
+  {
+    return;
+  }
+  const uint samples = parameters.Samples;
+  const uint pixel = samples == 1u
+    ? rowIndex * parameters.PixelColumns + columnIndex
+    : rowIndex / samples * parameters.PixelColumns + columnIndex / samples;
+  const float loss = (left != 0u ? losses[left * parameters.PixelCount + pixel] : 0.0) -
+    (entered != 0u ? losses[entered * parameters.PixelCount + pixel] : 0.0);
+  if (loss != 0)
+  {
+    const uint good = samples * samples - failures[pixel];
+    const vec3 factors = rateFactors(triangle, values, facesSource, columnIndex, rowIndex);
+    triangle.Gradient += Real(loss / float(good)) * Real3(factors);
+  }
+}
+
+// Adds the triangle's gradient to that of its points, once for all of its crossings.
+void storeGradient(uint index, in Triangle triangle)
+{
+  for (uint corner = 0u; corner < 3u; ++corner)
+  {
+    const uint first = 3u * triangles[3u * index + corner];
+    for (uint axis = 0u; axis < 3u; ++axis)
+    {
+      addGradient(first + axis, triangle.Gradient[corner] * Real(triangle.Normal[axis]));
+    }
+  }
+}
+
 // Adds the crossing of a triangle by the ray of a pixel to the pixel's sums; there must be one.
-void addCrossing(in Triangle triangle, uint columnIndex, uint rowIndex)
+void addCrossing(inout Triangle triangle, uint columnIndex, uint rowIndex)
 {
   const Real column = Real(columnIndex);
   const Real row = Real(rowIndex);
@@ -263,12 +331,20 @@ void addCrossing(in Triangle triangle, uint columnIndex, uint rowIndex)
   // Beyond source and pixel nothing counts; hits there must still cancel.
   const Real depth = clamp(free, parameters.Scales.y, parameters.Scales.z);
   const bool isFree = depth == free;
-  const int units = roundToInt(depth * parameters.DepthOf.w);
 
   const bool isPositive = decisive(values.x, triangle.Edges[0]) > 0;
   const bool facesSource = isPositive == (parameters.Scales.x < 0);
   const uint left = facesSource ? triangle.Front : triangle.Back;
   const uint entered = facesSource ? triangle.Back : triangle.Front;
+  if (Reverse)
+  {
+    if (isFree)
+    {
+      addToGradient(triangle, values, facesSource, left, entered, columnIndex, rowIndex);
+    }
+    return;
+  }
+  const int units = roundToInt(depth * parameters.DepthOf.w);
   const uint first = place * (parameters.Materials - 1u);
   const uint leftSums = (first + left - 1u) * pairsPerMaterial();
   const uint enteredSums = (first + entered - 1u) * pairsPerMaterial();
@@ -285,12 +361,7 @@ void addCrossing(in Triangle triangle, uint columnIndex, uint rowIndex)
     return;
   }
 
-  // dt/dp = n . v / (n . d), v being the velocity where the ray hits.
-  const vec3 weights = whole != 0 ? vec3(values / whole) : vec3(1, 0, 0);
-  const Real3 along = rayOf(columnIndex, rowIndex);
-  const vec3 direction = vec3(along * (1 / sqrt(dot(along, along))));
-  const float cosine = max(abs(dot(triangle.Normal, direction)), MAMMORAY_GRAZING_COSINE);
-  const vec3 factors = (facesSource ? -1.0 : 1.0) / cosine * weights;
+  const vec3 factors = rateFactors(triangle, values, facesSource, columnIndex, rowIndex);
   [[unroll]] for (uint field = 0u; field < MAMMORAY_RASTER_FIELDS; field += 2u)
   {
     if (field < parameters.Fields)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DeviceProjector.h"
 
+#include "Grazing.h"
 #include "Private/ProjectionChecks.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Beam.h"
@@ -18,6 +19,8 @@ using Usage = vk::BufferUsageFlagBits;
 /// Largest number of path lengths of an image; they take 4 GiB.
 constexpr std::uint64_t MostLengths = 1u << 30;
 constexpr std::uint64_t MostWorkBytes = 256u << 20;
+/// Hits of a ray on triangles of one point, and materials on both sides of them.
+constexpr double HitsPerRayAndPoint = 64;
 }
 
 DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
@@ -215,6 +218,54 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
     });
   FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, this->LastImage->Holes);
   return image;
+}
+
+std::vector<double> DeviceProjector::Backward(const XRaySource& source,
+  const XRayDetector& detector, const std::vector<float>& lossByLength)
+{
+  this->CheckImage(source, detector);
+  const std::uint64_t pixels = detector.NumberOfPixels();
+  const double largest = LargestLoss(lossByLength, pixels, this->Surface.MaterialCount);
+  std::vector<double> gradient(3 * this->Surface.PointCount, 0.0);
+  const vk::DeviceSize bytes = gradient.size() * sizeof(std::int64_t);
+  if (bytes > this->Device.Limits().maxStorageBufferRange)
+  {
+    throw InputError("projector: a gradient with respect to " +
+      std::to_string(this->Surface.PointCount) + " points is more than " + this->Device.Name() +
+      " takes in one buffer");
+  }
+  if (largest == 0)
+  {
+    return gradient;
+  }
+  this->Forget();
+  // No sum overflows if every ray meets all triangles of a point at the guard's angle.
+  const double rays = static_cast<double>(pixels) * detector.Samples * detector.Samples;
+  const double units =
+    0x1p62 / (largest * rays * HitsPerRayAndPoint / double{ MAMMORAY_GRAZING_COSINE });
+  WithDeviceErrors(
+    [&]
+    {
+      this->Ensure(this->Rates, bytes);
+      this->Device.Run([&](const vk::raii::CommandBuffer& commands)
+        { commands.fillBuffer(this->Rates.OnDevice().Handle(), 0, bytes, 0); });
+      for (int row = 0; row < detector.Rows;)
+      {
+        const Strip strip = this->StripAt(detector, row);
+        const PixelRange range = strip.Pixels();
+        this->Ensure(this->Velocities, sizeof(float) * range.Count * this->Surface.MaterialCount,
+          Usage::eStorageBuffer, MemoryUse::Upload);
+        this->ReserveOutput(range.Count, 0);
+        WriteLosses(lossByLength, pixels, range, units, this->Velocities.Data<float>());
+        this->AddGradient(source, strip.Part);
+        row += strip.Part.Rows;
+      }
+      this->Rates.Fetch(this->Device, { { 0, bytes } });
+    });
+  const std::int64_t* sums = this->Rates.Data<std::int64_t>();
+  std::transform(sums, sums + gradient.size(), gradient.begin(),
+    [units](std::int64_t sum) { return static_cast<double>(sum) / units; });
+  return gradient;
 }
 
 int DeviceProjector::FieldsAtOnce(const XRayDetector& part, int fields) const

@@ -27,6 +27,8 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const VectorFields& velocities, PathLengthDerivatives& derivatives) final;
+  std::vector<double> Backward(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<float>& lossByLength) final;
   std::vector<float> Transmission(const Beam& beam) final;
   std::string DeviceName() const final { return this->Device.Name(); }
 
@@ -50,6 +52,9 @@ protected:
   /// enough. Returns the number of pixels with failed samples.
   virtual std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector,
     int fields) = 0;
+  /// Adds to the gradient in Rates, [point][axis] as 64-bit integers, what the losses in Velocities
+  /// give: dLoss / dLength in units of these integers, in the order of Lengths.
+  virtual void AddGradient(const XRaySource& source, const XRayDetector& detector) = 0;
 
   /// Sets a vector of the shaders' parameters.
   template <typename Real>
@@ -99,7 +104,9 @@ protected:
   ResultBuffer Lengths;
   /// Number of failed samples of each pixel, then the number of pixels that have any.
   ResultBuffer Failures;
+  /// Velocities of a batch of fields, or losses.
   Buffer Velocities;
+  /// Rates of a batch of fields, or the gradient.
   ResultBuffer Rates;
   bool BindingsStale = true;
 

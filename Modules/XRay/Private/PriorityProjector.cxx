@@ -2,6 +2,7 @@
 #include "Private/PriorityProjector.h"
 
 #include "Grazing.h"
+#include "Private/ProjectionChecks.h"
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
@@ -9,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <mutex>
 
 namespace mammoray
 {
@@ -81,6 +84,57 @@ PathLengthImage PriorityProjector::Project(const XRaySource& source, const XRayD
   return image;
 }
 
+std::vector<double> PriorityProjector::Backward(const XRaySource& source,
+  const XRayDetector& detector, const std::vector<float>& lossByLength)
+{
+  this->LastImage.reset();
+  CheckGeometry(source, detector);
+  const std::size_t pixels = detector.NumberOfPixels();
+  const auto materials = static_cast<std::size_t>(this->Surface.NumberOfMaterials());
+  LargestLoss(lossByLength, pixels, materials);
+  // Pixels that are followed here are none of the other projector's.
+  std::vector<float> others = lossByLength;
+  std::vector<double> gradient(this->Surface.Points.size(), 0.0);
+  std::mutex adding;
+  ParallelRanges(this->Overlap.Regions.empty() ? 0 : pixels, 256,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<LineHit> hits;
+      std::vector<double> losses(materials);
+      for (std::size_t pixel = begin; pixel < end; ++pixel)
+      {
+        losses[0] = 0;
+        for (std::size_t material = 1; material < materials; ++material)
+        {
+          losses[material] = lossByLength[material * pixels + pixel];
+        }
+        RaySums sums;
+        sums.Lengths.assign(materials, 0);
+        const int good =
+          this->SumPixel(source, detector, pixel, { .Losses = losses.data() }, hits, sums);
+        for (std::size_t material = 1; good > 0 && material < materials; ++material)
+        {
+          others[material * pixels + pixel] = 0;
+        }
+        if (sums.Gradient.empty())
+        {
+          continue;
+        }
+        const std::lock_guard lock(adding);
+        for (const auto& [point, change] : sums.Gradient)
+        {
+          for (std::size_t axis = 0; axis < 3; ++axis)
+          {
+            gradient[3 * std::size_t{ point } + axis] += change[axis] / good;
+          }
+        }
+      }
+    });
+  const std::vector<double> rest = this->Projector->Backward(source, detector, others);
+  std::transform(rest.begin(), rest.end(), gradient.begin(), gradient.begin(), std::plus<>());
+  return gradient;
+}
+
 std::vector<float> PriorityProjector::Transmission(const Beam& beam)
 {
   if (!this->LastImage)
@@ -148,7 +202,7 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
   this->Tree->CrossLine(ray.Begin, ray.Direction, hits);
   std::vector<int> insides(sums.Lengths.size(), 0);
   RaySums own{ std::vector<double>(sums.Lengths.size(), 0.0),
-    std::vector<double>(sums.Rates.size(), 0.0) };
+    std::vector<double>(sums.Rates.size(), 0.0), {} };
   int owner = 0;
   for (const LineHit& hit : hits)
   {
@@ -167,6 +221,10 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
     {
       this->AddRates(ray, hit, owner, next, work, own);
     }
+    if (t == hit.T && work.Losses)
+    {
+      this->AddGradient(ray, hit, work.Losses[owner] - work.Losses[next], own);
+    }
     owner = next;
   }
   if (std::any_of(insides.begin(), insides.end(), [](int times) { return times != 0; }))
@@ -181,40 +239,59 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
   {
     sums.Rates[n] += own.Rates[n];
   }
+  sums.Gradient.insert(sums.Gradient.end(), own.Gradient.begin(), own.Gradient.end());
   return true;
+}
+
+/// n / (n . d) of a hit; 0 where the triangle has no area.
+Vector3 PriorityProjector::SlopeAt(const Ray& ray, const LineHit& hit) const
+{
+  const Vector3 origin = this->Surface.Corner(hit.Triangle, 0);
+  const Vector3 normal = Cross(this->Surface.Corner(hit.Triangle, 1) - origin,
+    this->Surface.Corner(hit.Triangle, 2) - origin);
+  const double size = Norm(normal);
+  if (!(size > 0))
+  {
+    return { 0, 0, 0 };
+  }
+  const Vector3 unit = (1 / size) * normal;
+  const double cosine = Dot(unit, ray.Direction);
+  const double guarded =
+    std::copysign(std::max(std::abs(cosine), double{ MAMMORAY_GRAZING_COSINE }), cosine);
+  return (1 / guarded) * unit;
 }
 
 /// Adds dt/dp = n . v / (n . d) of a hit at which the ray passes from one material to another.
 void PriorityProjector::AddRates(const Ray& ray, const LineHit& hit, int left, int entered,
   const Work& work, RaySums& sums) const
 {
-  const std::size_t triangle = hit.Triangle;
-  const Vector3 origin = this->Surface.Corner(triangle, 0);
-  const Vector3 normal =
-    Cross(this->Surface.Corner(triangle, 1) - origin, this->Surface.Corner(triangle, 2) - origin);
-  const double size = Norm(normal);
-  if (!(size > 0))
-  {
-    return;
-  }
-  const Vector3 unit = (1 / size) * normal;
-  const double cosine = Dot(unit, ray.Direction);
-  const double guarded =
-    std::copysign(std::max(std::abs(cosine), double{ MAMMORAY_GRAZING_COSINE }), cosine);
+  const Vector3 slope = this->SlopeAt(ray, hit);
   const std::size_t materials = sums.Lengths.size();
   for (std::size_t field = 0; field < work.Fields(); ++field)
   {
     Vector3 velocity{ 0, 0, 0 };
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
-      const std::size_t point = this->Surface.Triangles[3 * triangle + corner];
+      const std::size_t point = this->Surface.Triangles[3 * std::size_t{ hit.Triangle } + corner];
       const double* at = &(*work.Velocities)[field][3 * point];
       velocity = velocity + hit.Weights[corner] * Vector3{ at[0], at[1], at[2] };
     }
-    const double rate = Dot(unit, velocity) / guarded;
+    const double rate = Dot(slope, velocity);
     const std::size_t row = field * materials;
     sums.Rates[row + static_cast<std::size_t>(left)] += rate;
     sums.Rates[row + static_cast<std::size_t>(entered)] -= rate;
+  }
+}
+
+/// The transpose of AddRates; `loss` is that of the left length less that of the entered one.
+void PriorityProjector::AddGradient(const Ray& ray, const LineHit& hit, double loss,
+  RaySums& sums) const
+{
+  const Vector3 slope = loss * this->SlopeAt(ray, hit);
+  for (std::size_t corner = 0; corner < 3; ++corner)
+  {
+    sums.Gradient.emplace_back(this->Surface.Triangles[3 * std::size_t{ hit.Triangle } + corner],
+      hit.Weights[corner] * slope);
   }
 }
 

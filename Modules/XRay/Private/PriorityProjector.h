@@ -6,8 +6,10 @@
 #include "mammoray/Foundation/TriangleTree.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace mammoray
@@ -27,6 +29,8 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const VectorFields& velocities, PathLengthDerivatives& derivatives) override;
+  std::vector<double> Backward(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<float>& lossByLength) override;
   std::vector<float> Transmission(const Beam& beam) override;
   std::string DeviceName() const override { return this->Projector->DeviceName(); }
   ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
@@ -48,11 +52,15 @@ private:
     std::vector<double> Lengths;
     /// [field * materials + material].
     std::vector<double> Rates;
+    /// What hits add to the gradient with respect to points.
+    std::vector<std::pair<std::uint32_t, Vector3>> Gradient;
   };
   struct Work
   {
     const VectorFields* Velocities = nullptr;
     PathLengthDerivatives* Derivatives = nullptr;
+    /// Losses by material, for the gradient.
+    const double* Losses = nullptr;
 
     std::size_t Fields() const { return this->Velocities ? this->Velocities->Count() : 0; }
   };
@@ -65,6 +73,8 @@ private:
   bool AddRay(const Ray& ray, const Work& work, std::vector<LineHit>& hits, RaySums& sums) const;
   void AddRates(const Ray& ray, const LineHit& hit, int left, int entered, const Work& work,
     RaySums& sums) const;
+  Vector3 SlopeAt(const Ray& ray, const LineHit& hit) const;
+  void AddGradient(const Ray& ray, const LineHit& hit, double loss, RaySums& sums) const;
   int OwnerOf(const std::vector<int>& insides) const;
   /// Sums over the consistent samples of a pixel. Returns their number, 0 if none passes a region.
   int SumPixel(const XRaySource& source, const XRayDetector& detector, std::size_t pixel,

@@ -133,4 +133,27 @@ void CheckVelocities(const VectorFields& fields, std::size_t pointCount)
       }
     });
 }
+
+double LargestLoss(const std::vector<float>& lossByLength, std::size_t pixels,
+  std::size_t materials)
+{
+  if (lossByLength.size() != pixels * materials)
+  {
+    throw InputError("gradient: expected the loss's derivatives with respect to " +
+      std::to_string(pixels * materials) + " path lengths (" + std::to_string(materials) +
+      " materials), found " + std::to_string(lossByLength.size()));
+  }
+  double largest = 0;
+  for (std::size_t index = pixels; index < lossByLength.size(); ++index)
+  {
+    const double size = std::abs(static_cast<double>(lossByLength[index]));
+    if (!std::isfinite(size))
+    {
+      throw InputError("gradient: expected finite derivatives of the loss, found " +
+        NumberText(lossByLength[index]) + " at " + std::to_string(index));
+    }
+    largest = std::max(largest, size);
+  }
+  return largest;
+}
 }

@@ -20,6 +20,11 @@ MAMMORAYXRAY_EXPORT void CheckPoints(const std::vector<double>& points, std::siz
 /// Throws InputError unless there are velocities up to 1e12 mm per unit of `pointCount` points in 1
 /// field or more.
 MAMMORAYXRAY_EXPORT void CheckVelocities(const VectorFields& velocities, std::size_t pointCount);
+
+/// The largest magnitude of the losses of materials other than air. Throws InputError unless there
+/// is a finite one for each pixel and material.
+MAMMORAYXRAY_EXPORT double LargestLoss(const std::vector<float>& lossByLength, std::size_t pixels,
+  std::size_t materials);
 }
 
 #endif

@@ -219,4 +219,15 @@ void ReadRates(const float* rates, const FieldBatch& batch, const PixelRange& ra
     }
   }
 }
+
+void WriteLosses(const std::vector<float>& losses, std::size_t pixels, const PixelRange& range,
+  double units, float* target)
+{
+  for (std::size_t plane = 0; plane < losses.size(); plane += pixels)
+  {
+    const float* from = losses.data() + plane + range.First;
+    target = std::transform(from, from + range.Count, target,
+      [units](float loss) { return static_cast<float>(units * loss); });
+  }
+}
 }

@@ -81,6 +81,10 @@ MAMMORAYXRAY_EXPORT void WriteVelocities(const VectorFields& velocities, const F
 /// of the pixels, each field times its unit.
 MAMMORAYXRAY_EXPORT void ReadRates(const float* rates, const FieldBatch& batch,
   const PixelRange& range, PathLengthDerivatives& derivatives);
+
+/// Writes the losses of a range of pixels, planes of each material, times `units`.
+MAMMORAYXRAY_EXPORT void WriteLosses(const std::vector<float>& losses, std::size_t pixels,
+  const PixelRange& range, double units, float* target);
 }
 
 #endif

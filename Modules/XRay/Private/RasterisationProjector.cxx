@@ -63,23 +63,26 @@ RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> dev
 {
   Reserve(this->Marks, this->Device, 1, Usage::eStorageBuffer | Usage::eTransferDst,
     MemoryUse::Device);
-  this->ProgramsFor(false);
+  this->ProgramsFor(Pass::Lengths);
   Reserve(this->Parameters, this->Device, sizeof(RasterParameters<double>), Usage::eStorageBuffer,
     MemoryUse::Upload);
   Reserve(this->TileCount, this->Device, sizeof(std::uint32_t), Usage::eTransferDst,
     MemoryUse::Download);
 }
 
-const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool withRates)
+const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(Pass pass)
 {
-  std::optional<Programs>& known = this->Pipelines[withRates ? 1 : 0];
+  std::optional<Programs>& known = this->Pipelines[static_cast<std::size_t>(pass)];
   if (known)
   {
     return *known;
   }
-  const vk::Bool32 constant = withRates;
-  const vk::SpecializationMapEntry entry(0, 0, sizeof(constant));
-  const vk::SpecializationInfo constants(1, &entry, sizeof(constant), &constant);
+  const std::array<vk::Bool32, 2> values{ pass == Pass::Rates, pass == Pass::Gradient };
+  const std::array<vk::SpecializationMapEntry, 2> entries{
+    vk::SpecializationMapEntry(0, 0, sizeof(vk::Bool32)),
+    vk::SpecializationMapEntry(1, sizeof(vk::Bool32), sizeof(vk::Bool32)),
+  };
+  const vk::SpecializationInfo constants(2, entries.data(), sizeof(values), values.data());
   const bool longs = this->Device.HasLongAtomics();
   const auto make = [&](std::optional<vk::raii::Pipeline>& pipeline, const auto& single,
                       const auto& singleLong, const auto& twice, const auto& twiceLong)
@@ -200,17 +203,29 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.PixelCount = static_cast<std::uint32_t>(detector.NumberOfPixels());
   parameters.Materials = this->Surface.MaterialCount;
   parameters.Triangles = this->Surface.TriangleCount;
-  parameters.TileCapacity =
-    static_cast<std::uint32_t>(this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1);
-  parameters.Fields = static_cast<std::uint32_t>(work.Fields);
+  parameters.TileCapacity = static_cast<std::uint32_t>(this->TileCapacity());
+  parameters.Fields = work.HasMarks ? 1u : static_cast<std::uint32_t>(work.Fields);
   parameters.Left = static_cast<std::uint32_t>(samples * work.Left);
   parameters.Right = static_cast<std::uint32_t>(samples * work.Right + samples - 1);
   parameters.Top = static_cast<std::uint32_t>(samples * work.Top);
   parameters.Bottom = static_cast<std::uint32_t>(samples * work.Bottom + samples - 1);
   parameters.PixelColumns = static_cast<std::uint32_t>(detector.Columns);
   parameters.FirstPixel = static_cast<std::uint32_t>(work.FirstRow) * parameters.PixelColumns;
-  parameters.Again = work.Attempt > 0 ? 1 : 0;
+  parameters.Again = static_cast<std::uint32_t>(work.Attempt);
   *this->Parameters.Data<RasterParameters<Real>>() = parameters;
+}
+
+void RasterisationProjector::WriteParametersOf(const XRaySource& source,
+  const XRayDetector& detector, const Work& work)
+{
+  if (this->Doubles)
+  {
+    this->WriteParameters<double>(source, detector, work);
+  }
+  else
+  {
+    this->WriteParameters<float>(source, detector, work);
+  }
 }
 
 std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const Work& work)
@@ -220,7 +235,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
   const std::uint64_t rays = std::uint64_t(detector.Columns) *
     static_cast<std::uint64_t>(work.RowCount * detector.Samples * detector.Samples);
   const std::uint64_t pixels = detector.NumberOfPixels();
-  const Programs& programs = this->ProgramsFor(work.Fields > 0);
+  const Programs& programs = this->ProgramsFor(work.Fields > 0 ? Pass::Rates : Pass::Lengths);
   const int samples = detector.Samples;
   const auto groups = [](int columns)
   {
@@ -250,7 +265,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
             std::uint64_t(work.RowCount) * this->RowBytes(detector, work.Fields)),
           0);
       }
-      else if (!work.KeepsMarks)
+      else if (work.Attempt == 1 && !work.KeepsMarks)
       {
         commands.fillBuffer(this->Marks.Handle(), 0, rays * sizeof(std::uint32_t), 0);
       }
@@ -320,8 +335,9 @@ FieldBatch RasterisationProjector::NextBatch(const VectorFields& velocities, int
   return batch;
 }
 
-std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayDetector& detector,
-  int fields)
+template <typename Finish>
+std::uint32_t RasterisationProjector::FillBands(const XRaySource& source,
+  const XRayDetector& detector, int fields, const Finish& finish)
 {
   std::uint32_t failed = 0;
   const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
@@ -335,7 +351,10 @@ std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayD
     std::uint64_t tiles = 0;
     if (this->Run(source, detector, work, tiles))
     {
-      failed += this->RunAgain(source, detector, work);
+      std::vector<Work> attempts = this->RunAgain(source, detector, work);
+      failed += this->FailedPixels();
+      attempts.insert(attempts.begin(), work);
+      finish(attempts);
       firstRow += rowCount;
     }
     else if (band > 1)
@@ -352,6 +371,60 @@ std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayD
   return failed;
 }
 
+std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayDetector& detector,
+  int fields)
+{
+  return this->FillBands(source, detector, fields, [](const std::vector<Work>&) {});
+}
+
+void RasterisationProjector::AddGradient(const XRaySource& source, const XRayDetector& detector)
+{
+  this->FillBands(source, detector, 0,
+    [&](const std::vector<Work>& attempts)
+    {
+      for (Work work : attempts)
+      {
+        work.HasMarks = attempts.size() > 1;
+        this->WriteParametersOf(source, detector, work);
+        this->SubmitGradient();
+      }
+    });
+}
+
+void RasterisationProjector::SubmitGradient()
+{
+  using Stage = vk::PipelineStageFlagBits;
+  using Access = vk::AccessFlagBits;
+  const Programs& programs = this->ProgramsFor(Pass::Gradient);
+  const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
+  this->Device.Run(
+    [&](const vk::raii::CommandBuffer& commands)
+    {
+      this->Bindings.Bind(commands, vk::PipelineBindPoint::eCompute);
+      commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      const vk::MemoryBarrier cleared(Access::eTransferWrite | Access::eShaderWrite, both);
+      commands.pipelineBarrier(Stage::eTransfer | Stage::eComputeShader, Stage::eComputeShader, {},
+        cleared, nullptr, nullptr);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
+      Dispatch(commands, this->Surface.TriangleCount, MAMMORAY_RASTER_GROUP);
+      const vk::MemoryBarrier listed(Access::eShaderWrite, both | Access::eTransferRead);
+      commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | Stage::eTransfer, {},
+        listed, nullptr, nullptr);
+      commands.copyBuffer(this->Tiles.Handle(), this->TileCount.Handle(),
+        vk::BufferCopy(0, 0, sizeof(std::uint32_t)));
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[1]);
+      commands.dispatch(TileGroups, 1, 1);
+      const vk::MemoryBarrier added(Access::eShaderWrite | Access::eTransferWrite,
+        Access::eTransferRead | Access::eHostRead | both);
+      commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer,
+        Stage::eTransfer | Stage::eHost | Stage::eComputeShader, {}, added, nullptr, nullptr);
+    });
+  if (*this->TileCount.Data<std::uint32_t>() > this->TileCapacity())
+  {
+    throw DeviceError("Vulkan: the list of tiles grew between two runs");
+  }
+}
+
 bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& detector, Work work,
   std::uint64_t& tiles)
 {
@@ -366,16 +439,9 @@ bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& d
     this->Ensure(this->Tiles, 2 * sizeof(std::uint32_t) * (capacity + 1),
       Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
     this->UpdateBindings();
-    if (this->Doubles)
-    {
-      this->WriteParameters<double>(source, detector, work);
-    }
-    else
-    {
-      this->WriteParameters<float>(source, detector, work);
-    }
+    this->WriteParametersOf(source, detector, work);
     tiles = this->Submit(detector, work);
-    if (tiles <= this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1)
+    if (tiles <= this->TileCapacity())
     {
       return true;
     }
@@ -388,15 +454,16 @@ bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& d
   }
 }
 
-std::uint32_t RasterisationProjector::RunAgain(const XRaySource& source,
+std::vector<RasterisationProjector::Work> RasterisationProjector::RunAgain(const XRaySource& source,
   const XRayDetector& detector, Work work)
 {
+  std::vector<Work> attempts;
   const int last = work.FirstRow + work.RowCount - 1;
   for (work.Attempt = 1; work.Attempt < MostAttempts; ++work.Attempt)
   {
     if (this->FailedPixels() == 0)
     {
-      return 0;
+      return attempts;
     }
     const std::uint32_t* failures =
       this->FetchFailures(std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(last + 1));
@@ -430,7 +497,8 @@ std::uint32_t RasterisationProjector::RunAgain(const XRaySource& source,
         this->Device.Name() + " has room for");
     }
     work.KeepsTiles = true;
+    attempts.push_back(work);
   }
-  return this->FailedPixels();
+  return attempts;
 }
 }

@@ -25,6 +25,13 @@ public:
   }
 
 private:
+  /// What the shaders sum.
+  enum class Pass
+  {
+    Lengths,
+    Rates,
+    Gradient
+  };
   /// The shaders for triangles, tiles, the result, and marks.
   using Programs = std::array<std::optional<vk::raii::Pipeline>, 4>;
   /// The part of an image that one run of the shaders computes; columns and rows of the detector.
@@ -44,6 +51,8 @@ private:
     bool KeepsMarks = false;
     /// True if the list of tiles of an earlier attempt is used.
     bool KeepsTiles = false;
+    /// True if some rays of these rows have marks.
+    bool HasMarks = false;
   };
 
   void SurfaceChanged(const std::vector<double>& points, bool moved) override;
@@ -51,8 +60,14 @@ private:
   int MostFields(const XRayDetector& detector) const override;
   FieldBatch NextBatch(const VectorFields& velocities, int next, int atOnce) const override;
   std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  void AddGradient(const XRaySource& source, const XRayDetector& detector) override;
 
-  const Programs& ProgramsFor(bool withRates);
+  const Programs& ProgramsFor(Pass pass);
+  /// Fill that calls finish(attempts), with all that was run, for each band of rows while its sums
+  /// are there.
+  template <typename Finish>
+  std::uint32_t FillBands(const XRaySource& source, const XRayDetector& detector, int fields,
+    const Finish& finish);
   /// Bytes of the sums of one row of the detector.
   std::uint64_t RowBytes(const XRayDetector& detector, int fields) const;
   /// Enlarges buffers and runs the shaders, again if the list of tiles was too short. Returns false
@@ -61,15 +76,23 @@ private:
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector, const Work& work);
   void UpdateBindings();
+  void WriteParametersOf(const XRaySource& source, const XRayDetector& detector, const Work& work);
   /// Returns the number of tiles that the list needs.
   std::uint32_t Submit(const XRayDetector& detector, const Work& work);
-  /// Follows failed rays of these rows again a few times, with small offsets. Returns the number of
-  /// pixels with rays that still fail.
-  std::uint32_t RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
+  /// Follows failed rays of these rows again a few times, with small offsets, until FailedPixels is
+  /// 0. Returns the attempts.
+  std::vector<Work> RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
+  /// Adds the gradient of the rays that an attempt followed last, whose parameters are written.
+  void SubmitGradient();
+  /// Entries that there is room for in the list of tiles.
+  std::uint64_t TileCapacity() const
+  {
+    return this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
+  }
 
   ShaderBindings Bindings;
-  /// Without and with derivatives; the latter are created at first use.
-  std::array<std::optional<Programs>, 2> Pipelines;
+  /// By Pass; created at first use.
+  std::array<std::optional<Programs>, 3> Pipelines;
   /// Largest distance of a point of the surface from the local origin, mm.
   double Reach = 0;
   Buffer Parameters;

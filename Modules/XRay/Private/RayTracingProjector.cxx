@@ -63,12 +63,13 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& 
     module(pathLength_rgen_float, pathLength_rgen_double);
   const vk::raii::ShaderModule miss = module(pathLength_rmiss_float, pathLength_rmiss_double);
   const vk::raii::ShaderModule anyHit = module(pathLength_rahit_float, pathLength_rahit_double);
-  const std::array<std::uint32_t, 2> values{ kind.Capacity, kind.Fields };
-  const std::array<vk::SpecializationMapEntry, 2> entries{
+  const std::array<std::uint32_t, 3> values{ kind.Capacity, kind.Fields, kind.Reverse };
+  const std::array<vk::SpecializationMapEntry, 3> entries{
     vk::SpecializationMapEntry(0, 0, sizeof(std::uint32_t)),
     vk::SpecializationMapEntry(1, sizeof(std::uint32_t), sizeof(std::uint32_t)),
+    vk::SpecializationMapEntry(2, 2 * sizeof(std::uint32_t), sizeof(std::uint32_t)),
   };
-  const vk::SpecializationInfo constants(2, entries.data(), sizeof(values), values.data());
+  const vk::SpecializationInfo constants(3, entries.data(), sizeof(values), values.data());
   using Stage = vk::ShaderStageFlagBits;
   const std::array<vk::PipelineShaderStageCreateInfo, 3> stages{
     vk::PipelineShaderStageCreateInfo({}, Stage::eRaygenKHR, *rayGeneration, "main", &constants),
@@ -253,6 +254,18 @@ FieldBatch RayTracingProjector::NextBatch(const VectorFields& velocities, int ne
 std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDetector& detector,
   int fields)
 {
+  this->Trace(source, detector, { this->Capacity(), static_cast<std::uint32_t>(fields), 0 });
+  return this->FailedPixels();
+}
+
+void RayTracingProjector::AddGradient(const XRaySource& source, const XRayDetector& detector)
+{
+  this->Trace(source, detector, { this->Capacity(), 0, 1 });
+}
+
+void RayTracingProjector::Trace(const XRaySource& source, const XRayDetector& detector,
+  const Kind& kind)
+{
   this->UpdateBindings();
   if (this->Doubles)
   {
@@ -262,7 +275,6 @@ std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDete
   {
     this->WriteParameters<float>(source, detector);
   }
-  const Kind kind{ this->Capacity(), static_cast<std::uint32_t>(fields) };
   const Program& program = this->ProgramFor(kind);
   const std::uint64_t pixels = detector.NumberOfPixels();
   this->Device.Run(
@@ -271,10 +283,10 @@ std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDete
       using Stage = vk::PipelineStageFlagBits;
       using Access = vk::AccessFlagBits;
       this->RecordClearing(commands, pixels);
-      const vk::MemoryBarrier cleared(Access::eTransferWrite,
+      const vk::MemoryBarrier cleared(Access::eTransferWrite | Access::eShaderWrite,
         Access::eShaderRead | Access::eShaderWrite);
-      commands.pipelineBarrier(Stage::eTransfer, Stage::eRayTracingShaderKHR, {}, cleared, nullptr,
-        nullptr);
+      commands.pipelineBarrier(Stage::eTransfer | Stage::eRayTracingShaderKHR,
+        Stage::eRayTracingShaderKHR, {}, cleared, nullptr, nullptr);
       commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
       this->Bindings.Bind(commands, vk::PipelineBindPoint::eRayTracingKHR);
       commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
@@ -282,6 +294,5 @@ std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDete
         TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
       this->RecordResults(commands, Stage::eRayTracingShaderKHR, pixels);
     });
-  return this->FailedPixels();
 }
 }

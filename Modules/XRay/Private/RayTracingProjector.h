@@ -20,11 +20,12 @@ public:
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
-  /// What a pipeline is specialised for: room for materials, and velocity fields.
+  /// What a pipeline is specialised for: room for materials, velocity fields, and reverse mode.
   struct Kind
   {
     std::uint32_t Capacity = 4;
     std::uint32_t Fields = 0;
+    std::uint32_t Reverse = 0;
     auto operator<=>(const Kind&) const = default;
   };
   /// Pipeline of a kind, with its shader binding table.
@@ -41,8 +42,10 @@ private:
   int MostFields(const XRayDetector& detector) const override;
   FieldBatch NextBatch(const VectorFields& velocities, int next, int atOnce) const override;
   std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  void AddGradient(const XRaySource& source, const XRayDetector& detector) override;
 
   const Program& ProgramFor(const Kind& kind);
+  void Trace(const XRaySource& source, const XRayDetector& detector, const Kind& kind);
   /// Creates the acceleration structures.
   void MakeScene(const Buffer& hitPositions);
   /// Builds them on the device or, with `refit`, fits them to moved points.
