@@ -203,6 +203,8 @@ TEST_F(RegisterCommand, NeverReplacesWhatIsNotAnEarlierResult)
 TEST_F(RegisterCommand, WrongUsageExitsWithTwo)
 {
   EXPECT_EQ(this->Run("register --labels x"), 2);
+  EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--series 2")), 2);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--series: expected a --study"));
   EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--iterations zero")), 2);
 }
 
