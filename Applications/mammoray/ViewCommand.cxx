@@ -73,8 +73,7 @@ void Declare(const OptionList& add, ViewArguments& arguments)
   add("--screenshot", arguments.Screenshot,
     "write the window's picture there (.png) and stop; nothing is shown");
   const OptionList expert = add.Expert();
-  expert("--blend", arguments.Viewer.Blend, Between(0, 1),
-    "share of the real mammogram at the beginning");
+  expert("--blend", arguments.Viewer.Blend, Between(0, 1), "share of the target at the beginning");
   expert("--kvp", arguments.Viewer.Kilovoltage, "kV",
     "tube voltage at the beginning\n(photon energy, keV, where it is a single one; default: the "
     "spectrum's)");
@@ -221,7 +220,7 @@ void Run(ViewArguments& arguments)
 void AddViewCommand(CLI::App& application)
 {
   AddCommand<ViewArguments>(application, "view",
-    "A window on a breast between the plates, its live synthetic mammogram and the real one; or on "
+    "A window on a breast between the plates, its live synthetic mammogram and the target; or on "
     "surfaces that turn before a source and a detector, and their live X-ray.\n"
     "Sliders for thickness, roll, tube voltage and the blend of both; the yellow ball is the X-ray "
     "source. Positions are mm in the frame of the mesh.\n" +

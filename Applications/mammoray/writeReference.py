@@ -159,7 +159,9 @@ def scene_rows(definition, prefix=""):
 def command_tables(schema, name):
     """The page of a command: its options by heading, daily ones first."""
     definition = schema["$defs"][name]
-    page = f"# mammoray {name}\n\n{cell(definition['description'])}\n\n```\n{definition['example'].removeprefix('Example: ')}\n```\n"
+    first, _, rest = definition["description"].partition("\n")
+    described = f"{first}\n\n```text\n{rest}\n```" if "   " in rest else cell(definition["description"])
+    page = f"# mammoray {name}\n\n{described}\n\n```\n{definition['example'].removeprefix('Example: ')}\n```\n"
     sections = {}
     for option in all_options(schema, definition):
         heading = option.setting.get("group", "Options")

@@ -361,7 +361,7 @@ std::string ViewerHelpText()
          "arrows, Page up and down  move the source by 10 mm; Home: back\n"
          "+ and -                   thickness by 1 mm\n"
          "c                         compress between the plates as they stand\n"
-         "b                         synthetic or real mammogram\n"
+         "b                         synthetic or target mammogram\n"
          "t                         tissues in the slices, or not\n"
          "n                         next lesion\n"
          "Tab                       the other mammogram's plates\n"

@@ -151,7 +151,7 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
     HasSubstr("Compared in pixels of 1.5 mm (global) from iteration 0; 1.5 mm (gradient) from "
               "iteration 5."));
   // What the script of the comparison looks for.
-  EXPECT_THAT(html, HasSubstr("<img alt=\"Real mammogram\" width=\""));
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Target mammogram\" width=\""));
   EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" width=\""));
   EXPECT_THAT(html, Not(HasSubstr(folder.File("")))); // self-contained, and no path of this machine
   EXPECT_THAT(html, Not(HasSubstr("http://127")));

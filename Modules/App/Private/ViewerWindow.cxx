@@ -55,7 +55,7 @@ ViewedUnit::ViewedUnit(const ViewedBreast& viewed, const ViewerOptions& options)
   }
   this->Pane.SetBlend(options.Blend);
   this->Pane.Overlay().SetTitle((viewed.View.empty() ? "" : viewed.View + ": ") +
-    (viewed.Real ? "synthetic and real" : "synthetic"));
+    (viewed.Real ? "synthetic and target" : "synthetic"));
   if (viewed.Trust.Level != Trust::Good)
   {
     this->Pane.Overlay().SetWarning(VerdictOf(viewed.Trust.Level));
@@ -147,7 +147,7 @@ void ViewerWindow::AddControls()
   if (std::any_of(this->Units.begin(), this->Units.end(),
         [](const auto& one) { return one->Viewed.Real.has_value(); }))
   {
-    this->BlendSlider = this->Controls.AddSlider("synthetic - real", "%.2f", 0, 1,
+    this->BlendSlider = this->Controls.AddSlider("synthetic - target", "%.2f", 0, 1,
       this->Options.Blend, [this](double value) { this->Viewer.SetBlend(value); });
   }
   this->Controls.AddButton("help (h)", [this] { this->Viewer.Key("h"); });

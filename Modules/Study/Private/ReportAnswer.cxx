@@ -103,7 +103,7 @@ std::string AnswerHtml(const std::vector<AskedPlace>& asked,
   for (const AnsweredMammogram& mammogram : mammograms)
   {
     html += FigureHtml(mammogram.Pictures->Answer, "Answer, " + mammogram.Title,
-      Escape(mammogram.Title), "The real mammogram with what was asked for.");
+      Escape(mammogram.Title), "The target mammogram with what was asked for.");
   }
   html += "</div>\n<div class=\"answer-slices\">\n";
   for (const AskedPlace& place : asked)

@@ -87,7 +87,7 @@ std::string VerdictHtml(const ViewResult& result)
 {
   const Assessment& assessment = result.Trust;
   static const char* const Texts[] = {
-    "Outline and picture of the synthetic mammogram agree with the real one.",
+    "Outline and picture of the synthetic mammogram agree with the target.",
     "Places found by this registration may be off by more than usual:",
     "Do not use this result to find places in one picture from the other:"
   };
@@ -142,18 +142,18 @@ std::string PicturesHtml(const ReportPictures& pictures)
   { return std::string("<span class=\"key ") + name + "\"></span>"; };
   return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
     (pictures.Wide ? " wide" : "") + "\">\n" +
-    FigureHtml(pictures.Real, "Real mammogram", "Real mammogram",
+    FigureHtml(pictures.Real, "Target mammogram", "Target mammogram",
       "Log attenuation; the breast's outline " + key("real") + "as found in it. " +
         key("excluded") + "Left out of the comparison.") +
     FigureHtml(pictures.Synthetic, "Synthetic mammogram", "Synthetic mammogram",
       "The MRI's breast, compressed; its outline " + key("synthetic") +
         "in the same grey window.") +
     FigureHtml(pictures.Overlay, "Overlay", "Overlay",
-      key("real") + "real and " + key("synthetic") + "synthetic; grey where they agree.") +
+      key("real") + "target and " + key("synthetic") + "synthetic; grey where they agree.") +
     FigureHtml(pictures.Difference, "Difference", "Difference",
-      "Synthetic minus real in standard deviations, grey where left out: " + key("more") +
+      "Synthetic minus target in standard deviations, grey where left out: " + key("more") +
         "synthetic absorbs more, " + key("less") + "less. Full " + key("real") + "or " +
-        key("synthetic") + ": breast in the real or the synthetic one only.") +
+        key("synthetic") + ": breast in the target or the synthetic mammogram only.") +
     "</div>\n<p class=\"hint\">Letters are patient directions: A anterior, P posterior, L left, R "
     "right, H head, F feet.</p>\n</section>\n";
 }
@@ -173,12 +173,12 @@ std::string BetweenPlatesHtml(const LayeredPicture& picture)
 constexpr const char* Comparison = R"html(<section class="compare" hidden>
 <h2>Compare</h2>
 <form class="controls">
-<label><input type="radio" name="mode" value="blend" checked> blend, real
+<label><input type="radio" name="mode" value="blend" checked> blend, target
 <input type="range" min="0" max="100" value="50" aria-label="share of the synthetic mammogram"> synthetic</label>
 <label><input type="radio" name="mode" value="checkerboard"> checkerboard</label>
 <label><input type="radio" name="mode" value="flicker"> flicker</label>
 </form>
-<div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
+<div class="stage"><img alt="Target mammogram"><img alt="Synthetic mammogram"></div>
 </section>
 )html";
 
