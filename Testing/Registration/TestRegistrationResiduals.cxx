@@ -214,7 +214,7 @@ TEST(RegistrationResiduals, ProjectionsOfOneCompressionCountAsOne)
   const RegistrationResiduals one(target, parameters, options);
   const RegistrationCosts alone = one.Costs(one.Evaluate(here));
   EXPECT_GT(alone.Outline, 1);
-  EXPECT_NEAR(alone.Prior, 4.5, 1e-9);
+  EXPECT_NEAR(alone.Prior, 4.5 * PriorWeight * PriorWeight, 1e-9);
   // Four times the same picture tells what one tells.
   const RegistrationResiduals four(std::vector<ComparedProjection>(4, { &target, std::nullopt }),
     parameters, options);

@@ -96,8 +96,9 @@ void RegistrationResiduals::Append(PosedBreast& breast, std::vector<double>& res
   for (std::size_t index = 0; index < this->Parameters.size(); ++index)
   {
     const RegistrationParameter& parameter = this->Parameters[index];
-    residuals.push_back(
-      parameter.PriorSigma > 0 ? (values[index] - parameter.Start) / parameter.PriorSigma : 0.0);
+    residuals.push_back(parameter.PriorSigma > 0
+        ? PriorWeight * (values[index] - parameter.Start) / parameter.PriorSigma
+        : 0.0);
   }
 }
 
@@ -151,7 +152,7 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(PosedBreast
     {
       const double sigma = this->Parameters[index].PriorSigma;
       jacobian.Columns[parameter].push_back(
-        static_cast<int>(index) == parameter && sigma > 0 ? 1 / sigma : 0.0);
+        static_cast<int>(index) == parameter && sigma > 0 ? PriorWeight / sigma : 0.0);
     }
   }
   return jacobian;

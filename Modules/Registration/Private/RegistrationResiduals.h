@@ -24,6 +24,14 @@ struct RegistrationCosts
   double Sum() const { return this->Outline + this->Intensity + this->Prior; }
 };
 
+/**
+ * How many times a prior's residual counts in a search. Residuals beside each other are alike,
+ * because tissue in the model lies beside the true by a smooth displacement: taken as independent,
+ * they make parameters four times too sure (Validation/reports/accuracy.md, "How sure"). Priors that count once
+ * do not hold against so many, and roll, pitch and tilt take up the model's error.
+ */
+inline constexpr double PriorWeight = 4;
+
 class PictureResiduals;
 
 /// A picture that a compressed breast is compared with, and the focal spot it was taken from, in

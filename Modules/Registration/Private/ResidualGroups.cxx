@@ -119,7 +119,8 @@ std::optional<ResidualGroups> CompareGroups(RegistrationEvaluator& evaluator)
   ResidualGroups groups = GroupsOf(evaluator);
   const Eigen::MatrixXd priorRows = PriorRows(evaluator);
   groups.Priors = priorRows.transpose() * priorRows;
-  groups.Variances = EstimateVariances(groups.Groups, groups.Priors);
+  // What is known beforehand, without the weight that the search gives it.
+  groups.Variances = EstimateVariances(groups.Groups, groups.Priors / (PriorWeight * PriorWeight));
   if (!groups.Variances.Determined)
   {
     return std::nullopt;

@@ -183,6 +183,8 @@ WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ResidualGrou
   }
   WeightedEstimate estimate(compared.Groups, weights, compared.Variances, compared.Priors);
   Eigen::MatrixXd scatter = DisplacementCovariance(evaluator, compared, compared.Priors.rows());
+  // A prior's residual has this deviation; WeightedEstimate counts 1.
+  scatter += (PriorWeight * PriorWeight - 1) * compared.Priors;
   for (const Eigen::VectorXd& pull : pulls)
   {
     scatter += pull * pull.transpose();
