@@ -251,6 +251,7 @@ double DistanceQuantile(const std::vector<double>& sigmas, double part)
 
 ModelError::ModelError(const TetrahedralMesh& anatomy, const std::vector<double>& points,
   const VolumeFromGantry& placed)
+  : Placed(placed)
 {
   std::vector<double> volumes;
   for (const bool between : { true, false })
@@ -301,7 +302,9 @@ double ModelError::SigmaMm(const Vector3& rest, const Vector3& compressed) const
   const Vector3 rigid = Vector3{ Dot(this->Rotation[0], rest), Dot(this->Rotation[1], rest),
     Dot(this->Rotation[2], rest) } +
     this->Shift;
-  return std::hypot(ModelErrorMm, ModelErrorShare * Norm(compressed - rigid));
+  const double behind = std::max(0.0, ModelErrorEdgeMm - this->Placed.ToGantry(compressed)[1]);
+  return std::hypot(ModelErrorMm, ModelErrorShare * Norm(compressed - rigid),
+    ModelErrorEdgeShare * behind);
 }
 
 std::optional<ExpectedError> ExpectedErrorOf(const TetrahedralMesh& anatomy,

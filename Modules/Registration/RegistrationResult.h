@@ -86,8 +86,10 @@ struct Similarity
   /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
   double Correlation = 0;
   /**
-   * Distances from the real outline, where it is compared (OutlineAlong), to the synthetic one, mm.
-   * Not the other way: what an MRI holds of the body beside the breast need not be in the picture.
+   * Distances from the real outline to the synthetic one, mm: the mean where outlines are compared
+   * (OutlineAlong), the largest also in the strip at the chest wall, where the search does not see
+   * it. Not the other way: what an MRI holds of the body beside the breast need not be in the
+   * picture.
    */
   double MeanOutlineDistanceMm = 0;
   double LargestOutlineDistanceMm = 0;
@@ -236,15 +238,20 @@ MAMMORAYREGISTRATION_EXPORT Similarity Compare(const SyntheticMammogram& synthet
 /**
  * Error of the model of tissue beyond the estimated parameters (stiffness, chest wall,
  * segmentation, the shape without load): standard deviation of each coordinate of a compressed
- * point. It is the root of the sum of squares of a constant, mm, and of a share of the point's
- * deformation, which is its displacement less the rigid motion of the tissue between the plates.
- * Two standard deviations hold 95 % of the coordinates in virtual studies of patients' anatomies,
- * and more in phantoms (Validation/reports/accuracy.md, "How sure").
+ * point. It is the root of the sum of the squares of a constant, mm; of a share of the point's
+ * deformation, which is its displacement less the rigid motion of the tissue between the plates;
+ * and, from a distance in front of the plates' edge on, of a share of how far the point lies behind
+ * that: no plate holds the tissue there, and the body that does is not part of the model. Two
+ * standard deviations hold 95 % of the coordinates in virtual studies of patients' anatomies, and
+ * more in phantoms (Validation/reports/accuracy.md, "How
+ * sure").
  */
 inline constexpr double ModelErrorMm = 0.3;
 inline constexpr double ModelErrorShare = 0.12;
+inline constexpr double ModelErrorEdgeMm = 15;
+inline constexpr double ModelErrorEdgeShare = 0.25;
 
-/// The model's own error, by the deformation of one compressed breast.
+/// The model's own error in one compressed breast.
 class MAMMORAYREGISTRATION_EXPORT ModelError
 {
 public:
@@ -260,6 +267,7 @@ public:
   const std::vector<std::size_t>& CellsBetween() const { return this->Cells; }
 
 private:
+  VolumeFromGantry Placed;
   std::vector<std::size_t> Cells;
   /// Rigid motion nearest to theirs: rest -> Rotation rest + Shift, row by row.
   std::array<Vector3, 3> Rotation{};

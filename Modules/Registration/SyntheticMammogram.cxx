@@ -46,6 +46,9 @@ SyntheticMammogram Synthesize(PosedBreast& breast, const ReceptorGrid& grid,
 
 namespace
 {
+/// Radius of a receptor's edge, mm: the outline bends away there.
+constexpr double RoundedEdgeMm = 3;
+
 /// From a point to a line of at least one point, mm.
 double DistanceToLine(const ReceptorPoint& point, const std::vector<ReceptorPoint>& line)
 {
@@ -61,31 +64,49 @@ double DistanceToLine(const ReceptorPoint& point, const std::vector<ReceptorPoin
   return least;
 }
 
+/// Distances from an outline to the synthetic one: their integral along it, its length, and the
+/// largest of them, mm. Weighted by arc length, so that dense directions near the centre do not
+/// count more.
+struct OutlineDistances
+{
+  double Sum = 0;
+  double Length = 0;
+  double Largest = 0;
+
+  OutlineDistances(const std::vector<std::optional<ReceptorPoint>>& outline,
+    const std::vector<ReceptorPoint>& synthetic)
+  {
+    for (std::size_t index = 0; index + 1 < outline.size() && !synthetic.empty(); ++index)
+    {
+      if (!outline[index] || !outline[index + 1])
+      {
+        continue;
+      }
+      const ReceptorPoint& a = *outline[index];
+      const ReceptorPoint& b = *outline[index + 1];
+      const double arc = std::hypot(b[0] - a[0], b[1] - a[1]);
+      const double distance =
+        DistanceToLine({ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) }, synthetic);
+      this->Sum += arc * distance;
+      this->Length += arc;
+      this->Largest = std::max(this->Largest, distance);
+    }
+  }
+};
+
 void CompareOutlines(const SyntheticMammogram& synthetic, const RegistrationTarget& target,
   Similarity& agreement)
 {
-  const auto outline = OutlineAlong(target, ChestWallCentre(target), DrawnDirections());
-  double distances = 0;
-  double length = 0;
-  // Weighted by arc length, so that dense directions near the centre do not count more.
-  for (std::size_t index = 0; index + 1 < outline.size() && !synthetic.Outline.empty(); ++index)
-  {
-    if (!outline[index] || !outline[index + 1])
-    {
-      continue;
-    }
-    const ReceptorPoint& a = *outline[index];
-    const ReceptorPoint& b = *outline[index + 1];
-    const double arc = std::hypot(b[0] - a[0], b[1] - a[1]);
-    const double distance =
-      DistanceToLine({ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) }, synthetic.Outline);
-    distances += arc * distance;
-    length += arc;
-    agreement.LargestOutlineDistanceMm = std::max(agreement.LargestOutlineDistanceMm, distance);
-  }
+  const ReceptorPoint centre = ChestWallCentre(target);
+  const auto outlineOf = [&](const RegistrationTarget& from)
+  { return OutlineAlong(from, centre, DrawnDirections()); };
+  const OutlineDistances compared(outlineOf(target), synthetic.Outline);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  agreement.MeanOutlineDistanceMm = length > 0 ? distances / length : nan;
-  agreement.LargestOutlineDistanceMm = length > 0 ? agreement.LargestOutlineDistanceMm : nan;
+  agreement.MeanOutlineDistanceMm = compared.Length > 0 ? compared.Sum / compared.Length : nan;
+  RegistrationTarget whole = target;
+  whole.OutlineFromMm = std::min(target.OutlineFromMm, RoundedEdgeMm);
+  agreement.LargestOutlineDistanceMm =
+    compared.Length > 0 ? OutlineDistances(outlineOf(whole), synthetic.Outline).Largest : nan;
 }
 }
 

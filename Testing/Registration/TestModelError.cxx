@@ -40,7 +40,7 @@ TEST_F(MovedBox, RigidMotionsAreNoDeformation)
     return Vector3{ c * p[0] - s * p[1] + 4, s * p[0] + c * p[1] - 7, p[2] + 2 };
   };
   this->MoveBy(turned);
-  const ModelError model(this->Box, this->Result.Points, {});
+  const ModelError model(this->Box, this->Result.Points, { .Origin = { 0, -20, 0 } });
   // 1e-9: a motion fitted to numbers of size 50.
   EXPECT_NEAR(model.SigmaMm({ 3, 20, 5 }, turned({ 3, 20, 5 })), ModelErrorMm, 1e-9);
   // Off that motion by 5 mm.
@@ -48,9 +48,25 @@ TEST_F(MovedBox, RigidMotionsAreNoDeformation)
     std::hypot(ModelErrorMm, 5 * ModelErrorShare), 1e-9);
 }
 
+TEST_F(MovedBox, IsLessSureTowardsThePlatesEdge)
+{
+  this->MoveBy([](const Vector3& p) { return p; });
+  const ModelError model(this->Box, this->Result.Points, { .Origin = { 0, 10, 0 } });
+  const auto at = [&](double depthMm)
+  {
+    const Vector3 point{ 3, 10 + depthMm, 5 };
+    return model.SigmaMm(point, point);
+  };
+  // 1e-9: as above.
+  EXPECT_NEAR(at(ModelErrorEdgeMm), ModelErrorMm, 1e-9);
+  EXPECT_NEAR(at(ModelErrorEdgeMm - 4), std::hypot(ModelErrorMm, 4 * ModelErrorEdgeShare), 1e-9);
+  EXPECT_NEAR(at(-8), std::hypot(ModelErrorMm, (ModelErrorEdgeMm + 8) * ModelErrorEdgeShare), 1e-9);
+}
+
 TEST_F(MovedBox, ExpectsTheErrorThatItsCovarianceSays)
 {
   this->MoveBy([](const Vector3& p) { return p; });
+  this->Result.Placed.Origin = { 0, -10, 0 }; // all tissue lies well in front of the edge
   EXPECT_FALSE(ExpectedErrorOf(this->Box, this->Result)) << "there is no covariance";
   this->Result.Sensitivities = { this->Box.Points, {} };
   for (std::size_t index = 0; index < this->Box.Points.size(); ++index)

@@ -13,7 +13,7 @@ namespace
 using namespace mammoray;
 
 /// 40 x 60 pixels of 1 mm, the breast below y = 25 mm; its outline is that line.
-RegistrationTarget StraightTarget()
+RegistrationTarget StraightTarget(double slope = 0)
 {
   RegistrationTarget target;
   target.Grid.Columns = 40;
@@ -27,10 +27,10 @@ RegistrationTarget StraightTarget()
   {
     for (int column = 0; column < 40; ++column)
     {
-      const double y = column + 0.5;
-      target.BreastMask.push_back(y < 25 ? 1 : 0);
-      target.SignedDistanceMm.push_back(static_cast<float>(y - 25));
-      target.LogAttenuation.push_back(y < 25 ? normal(generator) : 0.0f);
+      const double beyond = column + 0.5 - 25 - slope * (row - 29.5);
+      target.BreastMask.push_back(beyond < 0 ? 1 : 0);
+      target.SignedDistanceMm.push_back(static_cast<float>(beyond / std::hypot(1, slope)));
+      target.LogAttenuation.push_back(beyond < 0 ? normal(generator) : 0.0f);
     }
   }
   return target;
@@ -173,6 +173,21 @@ TEST(Compare, LeavesOutTheBodyBesideTheBreast)
     point[1] += std::abs(point[0]) < 10 ? 8 : 0;
   }
   EXPECT_NEAR(Compare(synthetic, target).LargestOutlineDistanceMm, 8, 1e-5);
+}
+
+TEST(Compare, CountsTheLargestDistanceAlsoInTheStripAtTheChestWall)
+{
+  constexpr double Slope = 0.3;
+  RegistrationTarget target = StraightTarget(Slope);
+  target.OutlineFromMm = 20;
+  SyntheticMammogram synthetic = PictureOf(target, 25);
+  for (ReceptorPoint& point : synthetic.Outline)
+  {
+    point[1] += Slope * point[0] + (point[0] < -19 ? 8 : 0);
+  }
+  const Similarity similarity = Compare(synthetic, target);
+  EXPECT_LT(similarity.MeanOutlineDistanceMm, 0.1); // pixels of 1 mm along a slant
+  EXPECT_NEAR(similarity.LargestOutlineDistanceMm, 8 / std::hypot(1, Slope), 0.5);
 }
 
 TEST(Compare, LeavesOutWhatIsNotCompared)
