@@ -137,7 +137,7 @@ public:
     {
       const Mammogram mammogram = ReadMammogram((*view)->Header.Path);
       const RegistrationTarget target = PrepareTarget(mammogram, options);
-      UnitPlacement placement{ axes, FindPoseAnchor(this->Tissue.Breast, held, axes), {} };
+      UnitPlacement placement{ FindPoseFrame(this->Tissue.Breast, held, axes), {} };
       placement.Unit.SourceToDetectorMm =
         mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
       BreastPose pose;

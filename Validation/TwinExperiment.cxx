@@ -58,7 +58,7 @@ struct Side
           .XRays = MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating) },
         progress))
     , Model(*this->Problem.Model)
-    , Placement{ axes, this->Problem.Anchor, {} }
+    , Placement{ this->Problem.Frame, {} }
     , Elastic(this->Model.Body().Elastic())
   {
   }

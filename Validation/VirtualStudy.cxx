@@ -30,8 +30,23 @@ const AnatomicalAxes PatientAxes = AnatomicalAxes::FromCode("LPS");
 
 constexpr int LargestNumberOfTries = 3;
 constexpr double ClosingFactor = 0.85;
+/// Part of the points that a technologist wants in the picture.
+constexpr double ImagedPart = 0.86;
+/// The receptor's edge against the front of the chest wall, mm. Behind it the plates press the
+/// body above and below the breast along the ribs, which nobody does.
+constexpr double DeepestAnteriorMm = -3;
 /// The plates never close further than this part of the breast's height.
 constexpr double LeastPartOfHeight = 0.4;
+
+std::vector<Vector3> AsPoints(const std::vector<double>& flat)
+{
+  std::vector<Vector3> points;
+  for (std::size_t index = 0; index < flat.size(); index += 3)
+  {
+    points.push_back({ flat[index], flat[index + 1], flat[index + 2] });
+  }
+  return points;
+}
 
 /// The breast and its true mechanics.
 struct TrueBreast
@@ -100,8 +115,8 @@ public:
         { .Volume = breast.Rest, .Compression = breast.Loading(ElementType::Quadratic, position) },
         progress)
   {
-    const UnitPlacement placement{ PatientAxes,
-      FindPoseAnchor(breast.Rest, breast.Table.Fixed(), PatientAxes), {} };
+    const UnitPlacement placement{ FindPoseFrame(breast.Rest, breast.Table.Fixed(), PatientAxes),
+      {} };
     // Plates that touch nothing.
     BreastPose open;
     open.ThicknessMm = 400;
@@ -142,7 +157,7 @@ public:
           .Compression =
             breast.Loading(ElementType::PatchAveragedLinear, PatientPosition::Upright) },
         progress)
-    , Placement{ PatientAxes, FindPoseAnchor(breast.Rest, breast.Table.Fixed(), PatientAxes), {} }
+    , Placement{ FindPoseFrame(breast.Rest, breast.Table.Fixed(), PatientAxes), {} }
   {
     this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
       MakeBeam(breast.Table, FindSpectrum(options.Spectrum), DetectorResponse::EnergyIntegrating));
@@ -178,6 +193,7 @@ public:
         CompressionState state =
           this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
         this->CloseFirmly(breast, taken.Pose, state, progress);
+        this->PullOnto(points, taken.Pose, state, progress);
         return { taken, this->Picture(hung, state, points, taken, draws) };
       }
       catch (const ConvergenceError&)
@@ -231,6 +247,59 @@ private:
         return;
       }
     }
+  }
+
+  /// Moves the unit towards the chest wall until most of the points are imaged, as a technologist
+  /// pulls the breast onto the support until the muscle shows; as far as there is an equilibrium.
+  void PullOnto(const std::vector<double>& points, BreastPose& pose, CompressionState& state,
+    const ProgressCallback& progress)
+  {
+    for (double behind = this->LeastImagedMm(points, pose, state);
+         behind < 0 && pose.AnteriorMm > DeepestAnteriorMm;
+         behind = this->LeastImagedMm(points, pose, state))
+    {
+      BreastPose deeper = pose;
+      deeper.AnteriorMm = std::max(DeepestAnteriorMm, pose.AnteriorMm + behind - 0.5);
+      if (!this->TryDeeper(deeper, &state, pose, state, progress) &&
+        !this->TryDeeper(deeper, nullptr, pose, state, progress))
+      {
+        return;
+      }
+    }
+  }
+
+  /// Compresses from a state, or a cold start without one; false if there is no equilibrium.
+  bool TryDeeper(const BreastPose& deeper, const CompressionState* from, BreastPose& pose,
+    CompressionState& state, const ProgressCallback& progress)
+  {
+    try
+    {
+      CompressionState next = this->Model.Body().Compress(this->Placement, deeper, from, progress);
+      state = std::move(next);
+      pose = deeper;
+      return true;
+    }
+    catch (const ConvergenceError&)
+    {
+      return false;
+    }
+  }
+
+  /// Distance in front of the receptor's edge that ImagedPart of the points have at least, mm.
+  double LeastImagedMm(const std::vector<double>& points, const BreastPose& pose,
+    const CompressionState& state) const
+  {
+    const VolumeFromGantry placed = this->Placement.At(pose);
+    std::vector<double> depths;
+    for (const Vector3& point :
+      AsPoints(Embedding(this->Model.Body().Simulation(), points).Map(state.Positions)))
+    {
+      depths.push_back(placed.ToGantry(point)[1]);
+    }
+    const auto least = depths.begin() +
+      static_cast<std::ptrdiff_t>((1 - ImagedPart) * static_cast<double>(depths.size()));
+    std::nth_element(depths.begin(), least, depths.end());
+    return *least;
   }
 
   /// Height of the tissue that the plates meet, mm: of the breast without the body that a patient's
@@ -338,16 +407,6 @@ std::vector<double> DrawPoints(const TrueBreast& breast, int count, Draws& draws
     {
       points.insert(points.end(), at.begin(), at.end());
     }
-  }
-  return points;
-}
-
-std::vector<Vector3> AsPoints(const std::vector<double>& flat)
-{
-  std::vector<Vector3> points;
-  for (std::size_t index = 0; index < flat.size(); index += 3)
-  {
-    points.push_back({ flat[index], flat[index + 1], flat[index + 2] });
   }
   return points;
 }

@@ -49,9 +49,9 @@ VolumeFromGantry PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh&
   Scene& scene)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
-  const Vector3 anchor =
-    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, scene.Materials.Fixed(), axes);
-  const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
+  const PoseFrame frame = arguments.Anchor ? PoseFrame{ axes, *arguments.Anchor }
+                                           : FindPoseFrame(surface, scene.Materials.Fixed(), axes);
+  const VolumeFromGantry gantry = PlaceUnit(frame, arguments.Unit, arguments.Pose);
   const SceneDescription& description = arguments.Scene;
   if (!description.HasDetector())
   {

@@ -98,7 +98,7 @@ ViewedBreast ReadResult(const ViewInput& input, const ResultFile& result)
   viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? result.Spectrum : input.Spectrum);
   viewed.Pose = result.Pose;
   viewed.Axes = result.Axes;
-  viewed.Anchor = result.Anchor;
+  viewed.Frame = FrameOf(result.Placed, result.Unit, result.Pose);
   viewed.Laterality = result.Mammogram.Laterality;
   for (const std::string& mammogram : input.Mammograms)
   {
@@ -206,8 +206,8 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   }
   // The compressed grid is that of its own thickness, whatever is asked for.
   viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
-  viewed.Anchor =
-    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Fixed(), viewed.Axes);
+  viewed.Frame =
+    FindPoseFrame(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Fixed(), viewed.Axes);
   if (input.Mammograms.size() > 1)
   {
     throw InputError(path + ": expected one mammogram at most beside a mesh, found " +
@@ -311,7 +311,7 @@ void Complete(const ViewInput& input, ViewedBreast& viewed)
     throw InputError("thickness: expected a positive length, found " +
       std::to_string(viewed.Pose.ThicknessMm) + " mm");
   }
-  viewed.Breast.Placed = PlaceUnit(viewed.Axes, viewed.Anchor, viewed.Breast.Unit, viewed.Pose);
+  viewed.Breast.Placed = PlaceUnit(viewed.Frame, viewed.Breast.Unit, viewed.Pose);
   if (viewed.Real)
   {
     viewed.Breast.Grid = viewed.Real->Grid;

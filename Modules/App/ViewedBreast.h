@@ -82,7 +82,7 @@ struct ViewedBreast
   MaterialTable Materials;
   mammoray::Spectrum Spectrum;
   AnatomicalAxes Axes;
-  Vector3 Anchor{ 0, 0, 0 };
+  PoseFrame Frame;
   BreastPose Pose;
   /// 'L', 'R' or '?'.
   char Laterality = '?';

@@ -372,9 +372,8 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   Internals& internal = *this->Internal;
   internal.Prepare(internal.SetupOf(*this, input, coarse), ProgressOf(this));
   UnitPlacement placement;
-  placement.Axes = internal.Made.Axes;
-  placement.Anchor =
-    FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Fixed, placement.Axes);
+  placement.Frame =
+    FindPoseFrame(internal.Made.Anatomy, internal.Made.Materials.Fixed, internal.Made.Axes);
   placement.Unit.SupportEdgeMm = this->SupportEdgeMm;
   placement.Unit.PaddleEdgeMm = this->PaddleEdgeMm;
   placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;

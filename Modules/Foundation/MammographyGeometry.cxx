@@ -45,11 +45,13 @@ struct TissueExtent
 
   bool IsEmpty() const { return this->Low[0] > this->High[0]; }
 
-  Vector3 Anchor() const
+  PoseFrame Frame() const
   {
+    const auto& [left, anterior, superior] = this->Directions;
     const double chestWall = std::isfinite(this->FixedFront) ? this->FixedFront : this->Low[1];
-    return 0.5 * (this->Low[0] + this->High[0]) * this->Directions[0] +
-      chestWall * this->Directions[1] + 0.5 * (this->Low[2] + this->High[2]) * this->Directions[2];
+    return { { left, anterior, superior },
+      0.5 * (this->Low[0] + this->High[0]) * left + chestWall * anterior +
+        0.5 * (this->Low[2] + this->High[2]) * superior };
   }
 
   static constexpr double Infinity = std::numeric_limits<double>::infinity();
@@ -58,6 +60,28 @@ struct TissueExtent
   Vector3 High{ -Infinity, -Infinity, -Infinity };
   double FixedFront = -Infinity;
 };
+
+/// Axes whose anterior one is square to a plane that comes forward by these slopes to the left and
+/// to the head, turned there by the shortest way.
+AnatomicalAxes SquareTo(const std::array<double, 2>& slopes, const AnatomicalAxes& axes)
+{
+  const double steepness = std::hypot(slopes[0], slopes[1]);
+  if (steepness == 0)
+  {
+    return axes;
+  }
+  // The direction in which the plane comes forward becomes steeper towards it.
+  const std::array<double, 2> rise{ slopes[0] / steepness, slopes[1] / steepness };
+  const Vector3 forward = rise[0] * axes.Left + rise[1] * axes.Superior;
+  const Vector3 level = rise[0] * axes.Superior - rise[1] * axes.Left;
+  const double angle = std::atan(steepness);
+  AnatomicalAxes square;
+  square.Anterior = std::cos(angle) * axes.Anterior - std::sin(angle) * forward;
+  const Vector3 turned = std::cos(angle) * forward + std::sin(angle) * axes.Anterior;
+  square.Left = rise[0] * turned - rise[1] * level;
+  square.Superior = rise[1] * turned + rise[0] * level;
+  return square;
+}
 
 /// Adds points of a cell that are at most one column width apart.
 void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& extent,
@@ -84,6 +108,22 @@ void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& 
       }
     }
   }
+}
+
+/// Rotates `from` towards `to`.
+void Turn(Vector3& from, Vector3& to, double degrees)
+{
+  const double angle = degrees * std::numbers::pi / 180.0;
+  const Vector3 before = from;
+  from = std::cos(angle) * before + std::sin(angle) * to;
+  to = std::cos(angle) * to - std::sin(angle) * before;
+}
+
+/// The gantry frame's origin seen from the anchor, gantry frame, mm.
+Vector3 OriginFromAnchor(const MammographyUnit& unit, const BreastPose& pose)
+{
+  return { pose.LateralMm, pose.AnteriorMm,
+    pose.VerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm };
 }
 
 /// Half extent of a voxel along each direction: half of the sum of its projected edges.
@@ -187,20 +227,23 @@ AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
   return axes;
 }
 
-Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& fixed,
+PoseFrame FindPoseFrame(const LabelVolume& materials, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
-  TissueExtent extent(axes);
+  TissueExtent all(axes);
+  BreastColumns columns = ColumnsOf(materials, fixed, all);
+  columns.Find();
+  TissueExtent extent(SquareTo(columns.WallSlopes(), axes));
   const Vector3 half = HalfVoxel(materials, extent);
-  ForEachVoxelOfBreast(materials, fixed, axes,
-    [&](std::size_t, const Vector3& point, bool isFixed, bool isBreast)
+  ForEachTissueVoxel(materials, fixed,
+    [&](std::size_t, const Vector3& point, bool isFixed)
     {
-      if (isBreast)
+      if (columns.IsBreast(all.Place(point)))
       {
         extent.Add(point, half, isFixed);
       }
     });
-  return extent.Anchor();
+  return extent.Frame();
 }
 
 std::optional<double> MidlineBetweenBreasts(const LabelVolume& materials,
@@ -220,7 +263,7 @@ LabelVolume KeepBreast(const LabelVolume& materials, const std::vector<bool>& fi
   return kept;
 }
 
-Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& fixed,
+PoseFrame FindPoseFrame(const TetrahedralMesh& mesh, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
   TissueExtent all(axes);
@@ -243,7 +286,7 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& fix
     AddCell(mesh, cell, all, isFixed(cell), columns);
   }
   columns.Find();
-  TissueExtent extent(axes);
+  TissueExtent extent(SquareTo(columns.WallSlopes(), axes));
   for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
   {
     const Vector3& point = mesh.Point(mesh.Cells[index]);
@@ -252,10 +295,10 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& fix
       extent.Add(point, { 0, 0, 0 }, isFixed(index / 4));
     }
   }
-  return extent.Anchor();
+  return extent.Frame();
 }
 
-Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& fixed,
+PoseFrame FindPoseFrame(const SurfaceMesh& surface, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
   const auto isFixed = [&fixed](std::uint16_t material)
@@ -267,37 +310,39 @@ Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& fixe
     extent.Add({ point[0], point[1], point[2] }, { 0, 0, 0 },
       isFixed(surface.FrontMaterials[corner / 3]) || isFixed(surface.BackMaterials[corner / 3]));
   }
-  return extent.Anchor();
+  return extent.Frame();
 }
 
-VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
-  const MammographyUnit& unit, const BreastPose& pose)
+VolumeFromGantry PlaceUnit(const PoseFrame& frame, const MammographyUnit& unit,
+  const BreastPose& pose)
 {
   VolumeFromGantry placed;
-  placed.X = axes.Left;
-  placed.Y = axes.Anterior;
-  placed.Z = axes.Superior;
-  /// Rotates `from` towards `to`.
-  const auto turn = [](Vector3& from, Vector3& to, double degrees)
-  {
-    const double angle = degrees * std::numbers::pi / 180.0;
-    const Vector3 before = from;
-    from = std::cos(angle) * before + std::sin(angle) * to;
-    to = std::cos(angle) * to - std::sin(angle) * before;
-  };
-  turn(placed.Z, placed.X, pose.RollDeg);
-  turn(placed.Z, placed.Y, pose.PitchDeg);
-  turn(placed.Y, placed.X, pose.YawDeg);
-  placed.Origin = anchor + pose.LateralMm * placed.X + pose.AnteriorMm * placed.Y +
-    (pose.VerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm) * placed.Z;
+  placed.X = frame.Axes.Left;
+  placed.Y = frame.Axes.Anterior;
+  placed.Z = frame.Axes.Superior;
+  Turn(placed.Z, placed.X, pose.RollDeg);
+  Turn(placed.Z, placed.Y, pose.PitchDeg);
+  Turn(placed.Y, placed.X, pose.YawDeg);
+  placed.Origin = frame.Anchor + placed.Direction(OriginFromAnchor(unit, pose));
   return placed;
 }
 
-std::array<UnitVelocity, ParameterCount> UnitVelocities(const AnatomicalAxes& axes,
-  const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose)
+PoseFrame FrameOf(const VolumeFromGantry& placed, const MammographyUnit& unit,
+  const BreastPose& pose)
+{
+  PoseFrame frame{ { placed.X, placed.Y, placed.Z },
+    placed.Origin - placed.Direction(OriginFromAnchor(unit, pose)) };
+  Turn(frame.Axes.Anterior, frame.Axes.Left, -pose.YawDeg);
+  Turn(frame.Axes.Superior, frame.Axes.Anterior, -pose.PitchDeg);
+  Turn(frame.Axes.Superior, frame.Axes.Left, -pose.RollDeg);
+  return frame;
+}
+
+std::array<UnitVelocity, ParameterCount> UnitVelocities(const PoseFrame& frame,
+  const MammographyUnit& unit, const BreastPose& pose)
 {
   constexpr double radians = std::numbers::pi / 180.0;
-  const VolumeFromGantry placed = PlaceUnit(axes, anchor, unit, pose);
+  const VolumeFromGantry placed = PlaceUnit(frame, unit, pose);
   std::array<UnitVelocity, ParameterCount> velocities;
   // The mid-plane stays, so the support moves as far as the paddle.
   velocities[ThicknessParameter].Shift = -0.5 * placed.Z;
@@ -306,7 +351,7 @@ std::array<UnitVelocity, ParameterCount> UnitVelocities(const AnatomicalAxes& ax
   // rotate with the unit; only the anchor stays.
   const double yaw = radians * pose.YawDeg;
   const Vector3 anteriorBeforeYaw = std::cos(yaw) * placed.Y - std::sin(yaw) * placed.X;
-  velocities[RollParameter].Turn = radians * Cross(axes.Superior, axes.Left);
+  velocities[RollParameter].Turn = radians * Cross(frame.Axes.Superior, frame.Axes.Left);
   velocities[PitchParameter].Turn = radians * Cross(placed.Z, anteriorBeforeYaw);
   velocities[YawParameter].Turn = radians * Cross(placed.Y, placed.X);
   velocities[LateralParameter].Shift = placed.X;

@@ -134,23 +134,35 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
   }
 };
 
+/// What a pose refers to, in the volume frame: the directions of the unpitched and unturned unit,
+/// and the point about which it turns.
+struct PoseFrame
+{
+  AnatomicalAxes Axes;
+  Vector3 Anchor{ 0, 0, 0 };
+};
+
 /**
- * The anchor to which a pose refers, in the volume frame. Laterally and along the body it is the
- * middle of the breast's bounding box. Along the anterior axis it is the front of the fixed tissue
- * (chest wall) behind the breast, or the tissue's posterior end if no material is fixed. The breast
- * is the highest elevation over the body, without belly, armpit and flat tissue
- * (Private/BreastColumns.h). `fixed[m]` is true if material m is fixed to the body.
+ * The frame of a breast's poses. The patient is turned as before a mammography unit: her anterior
+ * axis is brought by the shortest way square to the chest wall behind the breast, of which the
+ * least-squares plane is taken. Then as much of the breast lies in front of the receptor's edge in
+ * CC as in MLO. The anchor is, across and along the body, the middle of the breast's bounding box,
+ * and along the anterior axis the front of the fixed tissue (chest wall) behind the breast. If no
+ * material is fixed, it is the tissue's posterior end, and nothing is turned. The breast is the
+ * highest elevation over the body, without belly, armpit and flat tissue (Private/BreastColumns.h).
+ * `fixed[m]` is true if material m is fixed to the body; `axes`: the patient's.
  */
-MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
+MAMMORAYFOUNDATION_EXPORT PoseFrame FindPoseFrame(const LabelVolume& materials,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// The anchor of a mesh, from the corners of its cells; as accurate as the mesh follows the volume.
-MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
+/// The frame by a mesh's corners of cells; as accurate as the mesh follows the volume.
+MAMMORAYFOUNDATION_EXPORT PoseFrame FindPoseFrame(const TetrahedralMesh& mesh,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// The anchor of a surface: the middle of its bounding box across and along the body, at the front
-/// of the fixed tissue, or at the posterior end if no material is fixed.
-MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface,
+/// The frame by a surface, not turned: the anchor is the middle of its bounding box across and
+/// along the body, at the front of the fixed tissue, or at the posterior end if no material is
+/// fixed.
+MAMMORAYFOUNDATION_EXPORT PoseFrame FindPoseFrame(const SurfaceMesh& surface,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
 /**
@@ -160,15 +172,19 @@ MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface,
 MAMMORAYFOUNDATION_EXPORT std::optional<double> MidlineBetweenBreasts(const LabelVolume& materials,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// Replaces by air all tissue except the breast (as in FindPoseAnchor) and the tissue behind it.
+/// Replaces by air all tissue except the breast (as in FindPoseFrame) and the tissue behind it.
 /// Throws InputError if the volume contains only air.
 MAMMORAYFOUNDATION_EXPORT LabelVolume KeepBreast(const LabelVolume& materials,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
 /// Computes the placement of the unit: the support's face is at z = SupportHeightMm, the paddle's
 /// face ThicknessMm above it.
-MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,
-  const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose);
+MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const PoseFrame& frame,
+  const MammographyUnit& unit, const BreastPose& pose);
+
+/// The frame that the pose of a placed unit refers to: PlaceUnit backwards.
+MAMMORAYFOUNDATION_EXPORT PoseFrame FrameOf(const VolumeFromGantry& placed,
+  const MammographyUnit& unit, const BreastPose& pose);
 
 /// Velocity of the unit with respect to a parameter of the pose, per mm or degree; volume frame, mm
 /// and radians.
@@ -185,8 +201,7 @@ struct UnitVelocity
 /// Velocities of the placement by PlaceUnit and of the paddle, for each parameter in order; zero
 /// for the stiffness.
 MAMMORAYFOUNDATION_EXPORT std::array<UnitVelocity, ParameterCount> UnitVelocities(
-  const AnatomicalAxes& axes, const Vector3& anchor, const MammographyUnit& unit,
-  const BreastPose& pose);
+  const PoseFrame& frame, const MammographyUnit& unit, const BreastPose& pose);
 }
 
 #endif

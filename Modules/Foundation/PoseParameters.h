@@ -73,9 +73,9 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
   { LateralParameter, "lateral", "mm", "Shift along the chest wall",
     "shift of the receptor along its chest-wall edge; positive towards the patient's left (CC)",
     &BreastPose::LateralMm, 0, 100, 0, NoBound, NoBound, 5, 0, true, false },
-  // The plates cannot stand behind the front of the chest wall.
+  // The plates press as far into the muscle as it is thick; the ribs do not give way.
   { AnteriorParameter, "anterior", "mm", "Shift away from the chest wall",
-    "distance of the receptor's edge from the chest wall", &BreastPose::AnteriorMm, 5, 50, 0, 0,
+    "distance of the receptor's edge from the chest wall", &BreastPose::AnteriorMm, 5, 50, 0, -20,
     NoBound, 5, 0, true, false },
   // This shift is along the beam and has almost no effect on the picture.
   { VerticalParameter, "vertical", "mm", "Shift along the beam",

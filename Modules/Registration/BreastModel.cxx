@@ -24,10 +24,12 @@ std::vector<PlatePairVelocity> UnitPlacement::PlateVelocitiesAt(const BreastPose
 {
   const PlatePair plates = this->PlatesAt(pose);
   std::vector<PlatePairVelocity> velocities;
-  for (const UnitVelocity& unit : UnitVelocities(this->Axes, this->Anchor, this->Unit, pose))
+  for (const UnitVelocity& unit : UnitVelocities(this->Frame, this->Unit, pose))
   {
-    const auto carried = [&](const Plate& plate) {
-      return PlateVelocity{ unit.Shift + Cross(unit.Turn, plate.Edge - this->Anchor), unit.Turn };
+    const auto carried = [&](const Plate& plate)
+    {
+      return PlateVelocity{ unit.Shift + Cross(unit.Turn, plate.Edge - this->Frame.Anchor),
+        unit.Turn };
     };
     PlatePairVelocity pair{ carried(plates.Support), carried(plates.Paddle) };
     pair.Paddle.Linear = pair.Paddle.Linear + unit.PaddleShift;

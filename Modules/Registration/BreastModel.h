@@ -32,14 +32,12 @@ inline constexpr double SearchedEdgeRadiusMm = 8.0;
 /// A unit that a pose places around a breast: the unit, and the frame that the pose refers to.
 struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
 {
-  AnatomicalAxes Axes;
-  /// The point of the volume frame about which the unit turns (FindPoseAnchor), mm.
-  Vector3 Anchor{ 0, 0, 0 };
+  PoseFrame Frame;
   MammographyUnit Unit;
 
   VolumeFromGantry At(const BreastPose& pose) const
   {
-    return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
+    return PlaceUnit(this->Frame, this->Unit, pose);
   }
   /// The plates in the volume frame.
   PlatePair PlatesAt(const BreastPose& pose) const;

@@ -176,10 +176,9 @@ RegistrationProblem MakeProblem(BreastInput input, const ProgressCallback& progr
     throw InputError("registration: expected a beam, found none");
   }
   RegistrationProblem problem;
-  problem.Axes = input.Axes;
   const std::vector<bool> fixed = input.Materials.Fixed();
-  problem.Anchor = input.Labels ? FindPoseAnchor(*input.Labels, fixed, input.Axes)
-                                : FindPoseAnchor(*input.Anatomy, fixed, input.Axes);
+  problem.Frame = input.Labels ? FindPoseFrame(*input.Labels, fixed, input.Axes)
+                               : FindPoseFrame(*input.Anatomy, fixed, input.Axes);
   if (!input.Anatomy)
   {
     input.Anatomy = MeshAnatomy(*input.Labels, input.Materials.Thin(), input.AnatomyCellSizeMm,

@@ -127,18 +127,13 @@ MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationTarget> MakeLevels(
 struct MAMMORAYREGISTRATION_EXPORT RegistrationProblem
 {
   std::shared_ptr<BreastModel> Model;
-  /// Axes of the model's volume frame.
-  AnatomicalAxes Axes;
-  /// The point of the volume frame about which units turn (FindPoseAnchor), mm.
-  Vector3 Anchor{ 0, 0, 0 };
+  /// What poses refer to (FindPoseFrame).
+  PoseFrame Frame;
   std::vector<View> Views;
   RegistrationOptions Options;
 
   /// The view's unit around the breast.
-  UnitPlacement PlacementOf(const View& view) const
-  {
-    return { this->Axes, this->Anchor, view.Unit };
-  }
+  UnitPlacement PlacementOf(const View& view) const { return { this->Frame, view.Unit }; }
   /// Throws InputError unless a search can begin with this problem.
   void Validate() const;
 };

@@ -133,16 +133,15 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
     volume = ReadMaterials(input.Labels, result.Materials);
   }
   UnitPlacement placement;
-  placement.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode(input.Orientation);
   placement.Unit = input.Unit;
   const std::vector<bool> fixed = result.Materials.Fixed();
-  placement.Anchor = volume ? FindPoseAnchor(*volume, fixed, placement.Axes)
-                            : FindPoseAnchor(mesh, fixed, placement.Axes);
+  placement.Frame = volume ? FindPoseFrame(*volume, fixed, axes) : FindPoseFrame(mesh, fixed, axes);
   BreastPose pose = input.Pose;
   pose.RollDeg += RollOfView(input);
 
   BreastModel model(mesh, ElasticTable(result.Materials), {},
-    ModelOptions(input, result.Materials, placement.Axes, volume), progress);
+    ModelOptions(input, result.Materials, axes, volume), progress);
   CompressionSimulation& simulation = model.Body().Simulation();
   result.SimulationCells = model.NumberOfSimulationCells();
   result.Unknowns = simulation.NumberOfUnknowns();

@@ -409,7 +409,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
     breast.Mechanics.ImageGravityMPerS2 = GravityIn(*input.ImagePosition, result.Axes);
   }
   RegistrationProblem problem = MakeProblem(std::move(breast), ShareOf(progress, 0.05, 0.25));
-  result.Anchor = problem.Anchor;
+  result.Anchor = problem.Frame.Anchor;
   result.Anatomy = problem.Model->Anatomy();
   result.SimulationCells = problem.Model->NumberOfSimulationCells();
   result.SurfaceTriangles = problem.Model->Surface().NumberOfTriangles();

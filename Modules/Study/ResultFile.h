@@ -85,7 +85,7 @@ struct ResultFile : ViewFigures
   /// The folder it was read from, which contains the meshes too; not in the file.
   std::string Folder;
   AnatomicalAxes Axes;
-  /// Point that the pose refers to (FindPoseAnchor).
+  /// Point that the pose refers to (FindPoseFrame).
   Vector3 Anchor{ 0, 0, 0 };
   /// All PoseParameters, in their order; their values are the pose.
   std::vector<ResultParameter> Parameters;

@@ -71,7 +71,7 @@ protected:
     result.Axes = AnatomicalAxes::FromCode("LAS");
     result.Anchor = { 0, 15, 0 };
     test::SetPose(result, pose);
-    result.Placed = PlaceUnit(result.Axes, result.Anchor, {}, pose);
+    result.Placed = PlaceUnit({ result.Axes, result.Anchor }, {}, pose);
     result.Unit = {};
     result.Grid = { 120, 240, { 59.75, 0.25 }, { 0.0, 0.5 }, { -0.5, 0.0 } };
     result.ConsideredCovariance.clear();

@@ -18,7 +18,7 @@ TEST(PlacedPlates, FaceEachOtherAcrossTheThickness)
   BreastPose pose;
   pose.ThicknessMm = 40;
   pose.RollDeg = 30;
-  const VolumeFromGantry placed = PlaceUnit(axes, { 1, 2, 3 }, unit, pose);
+  const VolumeFromGantry placed = PlaceUnit({ axes, { 1, 2, 3 } }, unit, pose);
   const PlatePair plates = PlatesOf(placed, unit, 40);
   EXPECT_NEAR(Norm(placed.ToGantry(plates.Support.Edge) - Vector3{ 0, 1, 2 }), 0, 1e-12);
   EXPECT_NEAR(Norm(placed.ToGantry(plates.Paddle.Edge) - Vector3{ 0, 2, 42 }), 0, 1e-12);

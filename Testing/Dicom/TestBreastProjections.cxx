@@ -45,7 +45,7 @@ Sweep MakeSweep(double rollDeg, char laterality,
 {
   const AnatomicalAxes axes;
   Sweep sweep;
-  sweep.Gantry = PlaceUnit(axes, { 10, -20, 30 }, {}, { .RollDeg = rollDeg });
+  sweep.Gantry = PlaceUnit({ axes, { 10, -20, 30 } }, {}, { .RollDeg = rollDeg });
   XRaySource source;
   source.Position = sweep.Gantry.Point({ 0, 0, SidMm });
   XRayDetector detector = DetectorOfUnit(sweep.Gantry, 7, 5, { 0.2, 0.3 });

@@ -166,7 +166,7 @@ TEST_F(BreastCompression, TellsWhereTheUnitStands)
   ASSERT_TRUE(placed);
   const TetrahedralMesh mesh = FromGrid(this->Grid);
   const Vector3 anchor =
-    FindPoseAnchor(mesh, { false, false, true }, AnatomicalAxes::FromCode("LAS"));
+    FindPoseFrame(mesh, { false, false, true }, AnatomicalAxes::FromCode("LAS")).Anchor;
   EXPECT_DOUBLE_EQ(placed->Origin[0], anchor[0] + 3);
   EXPECT_DOUBLE_EQ(placed->Origin[1], anchor[1] + 4);
   // Half of the thickness found for the force, and 2 mm of support, below the anchor.

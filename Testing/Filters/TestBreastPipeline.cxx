@@ -226,7 +226,7 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   BreastModel model(mesh, table);
   model.SetXRays(ExtractInterfaces(mesh), MakeProjector(),
     MakeBeam(table, FindSpectrum("W30kVp_Rh50um_Be1mm"), DetectorResponse::EnergyIntegrating));
-  const UnitPlacement placement{ axes, FindPoseAnchor(mesh, table.Fixed(), axes), {} };
+  const UnitPlacement placement{ FindPoseFrame(mesh, table.Fixed(), axes), {} };
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
   pose.AnteriorMm = 5;

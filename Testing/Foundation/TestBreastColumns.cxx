@@ -25,7 +25,7 @@ LabelVolume Body(const std::function<double(double, double)>& height)
 
 Vector3 AnchorOf(const LabelVolume& volume)
 {
-  return FindPoseAnchor(volume, { false, false, true }, AnatomicalAxes::FromCode("RAS"));
+  return FindPoseFrame(volume, { false, false, true }, AnatomicalAxes::FromCode("RAS")).Anchor;
 }
 
 /// Half an ellipsoid about (x, z) of half axes 40, 60 and 45 mm.
@@ -59,6 +59,41 @@ TEST(BreastColumns, FlatTissueArmpitBellyAndTheOtherBreastDoNotCount)
   EXPECT_NEAR(anchor[0], 25, 8);
   EXPECT_NEAR(anchor[1], -40, 1.01);
   EXPECT_NEAR(anchor[2], 5, 8);
+}
+
+TEST(BreastColumns, PosesStandSquareOnTheChestWall)
+{
+  // The wall comes forward by 0.3 mm per mm to the patient's right (x) and by 0.2 per mm to her
+  // feet.
+  const LabelVolume volume = test::LabelledCube(90, 2,
+    [&](const Vector3& p)
+    {
+      const double wall = -30 + 0.3 * p[0] - 0.2 * p[2];
+      return p[1] > wall + Dome(p[0] - 3, p[2] + 5) ? 0
+        : p[1] > wall                               ? 1
+        : p[1] > wall - 20                          ? 2
+                                                    : 0;
+    });
+  const PoseFrame frame =
+    FindPoseFrame(volume, { false, false, true }, AnatomicalAxes::FromCode("RAS"));
+  const Vector3 square = (1 / std::sqrt(1.13)) * Vector3{ -0.3, 1, 0.2 };
+  const auto& [left, anterior, superior] = frame.Axes;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    // Voxels of 2 mm over 80 mm.
+    EXPECT_NEAR(anterior[axis], square[axis], 0.01) << axis;
+  }
+  // A rotation by the shortest way: about an axis in the frontal plane.
+  EXPECT_NEAR(Norm(left), 1, 1e-12);
+  EXPECT_NEAR(Norm(Cross(superior, left) - anterior), 0, 1e-12);
+  EXPECT_NEAR(left[2], -superior[0], 1e-12);
+  // The anchor lies on the wall, to a voxel.
+  const Vector3 onWall{ frame.Anchor[0], -30 + 0.3 * frame.Anchor[0] - 0.2 * frame.Anchor[2],
+    frame.Anchor[2] };
+  EXPECT_NEAR(Dot(frame.Anchor - onWall, anterior), 0, 2);
+  // What nothing holds has no wall to stand on.
+  EXPECT_EQ(FindPoseFrame(volume, {}, AnatomicalAxes::FromCode("RAS")).Axes.Anterior,
+    AnatomicalAxes::FromCode("RAS").Anterior);
 }
 
 TEST(BreastColumns, WhatIsNoBreastBecomesAir)

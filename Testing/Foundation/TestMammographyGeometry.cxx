@@ -42,7 +42,7 @@ TEST(PlaceUnit, CranioCaudalViewLooksFromAbove)
   BreastPose pose;
   pose.ThicknessMm = 50;
   const Vector3 anchor{ 5, 6, 7 };
-  const VolumeFromGantry placed = PlaceUnit(axes, anchor, unit, pose);
+  const VolumeFromGantry placed = PlaceUnit({ axes, anchor }, unit, pose);
   // The plates' mid-plane (z = 2 + 25) passes through the anchor.
   ExpectNear(placed.Point({ 0, 0, 27 }), anchor);
   ExpectNear(placed.Direction({ 1, 0, 0 }), { 1, 0, 0 });
@@ -57,13 +57,32 @@ TEST(PlaceUnit, PositiveRollTurnsTheSourceTowardsTheLeft)
   pose.RollDeg = 90;
   pose.LateralMm = 3;
   const AnatomicalAxes axes;
-  const VolumeFromGantry placed = PlaceUnit(axes, { 0, 0, 0 }, MammographyUnit{}, pose);
+  const VolumeFromGantry placed = PlaceUnit({ axes, { 0, 0, 0 } }, MammographyUnit{}, pose);
   ExpectNear(placed.Z, axes.Left);
   ExpectNear(placed.X, -1.0 * axes.Superior);
   EXPECT_NEAR(placed.ToGantry({ 0, 0, 0 })[0], -3, 1e-12);
 }
 
-TEST(FindPoseAnchor, UsesTheFrontOfTheHeldTissue)
+TEST(PlaceUnit, TheFrameOfAPlacedUnitIsThatOfItsPose)
+{
+  const PoseFrame frame{ AnatomicalAxes::FromCode("ALS"), { 5, -6, 7 } };
+  MammographyUnit unit;
+  unit.SupportHeightMm = 13;
+  const BreastPose pose{ .ThicknessMm = 47,
+    .RollDeg = 48,
+    .PitchDeg = -7,
+    .YawDeg = 11,
+    .LateralMm = 9,
+    .AnteriorMm = -4,
+    .VerticalMm = 3 };
+  const PoseFrame found = FrameOf(PlaceUnit(frame, unit, pose), unit, pose);
+  ExpectNear(found.Axes.Left, frame.Axes.Left);
+  ExpectNear(found.Axes.Anterior, frame.Axes.Anterior);
+  ExpectNear(found.Axes.Superior, frame.Axes.Superior);
+  ExpectNear(found.Anchor, frame.Anchor);
+}
+
+TEST(FindPoseFrame, UsesTheFrontOfTheHeldTissue)
 {
   LabelVolume volume;
   volume.Size = { 6, 4, 2 }; // ALS axes: i anterior, j left, k superior
@@ -81,8 +100,8 @@ TEST(FindPoseAnchor, UsesTheFrontOfTheHeldTissue)
   }
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
   // Held voxels end at i = 1: 2 mm + half a voxel. Tissue spans j = 0.5 ... 3.5, k = -0.5 ... 1.5.
-  ExpectNear(FindPoseAnchor(volume, { false, false, true }, axes), { 3, 2, 0.5 });
-  ExpectNear(FindPoseAnchor(volume, { false, false, false }, axes), { -1, 2, 0.5 });
+  ExpectNear(FindPoseFrame(volume, { false, false, true }, axes).Anchor, { 3, 2, 0.5 });
+  ExpectNear(FindPoseFrame(volume, { false, false, false }, axes).Anchor, { -1, 2, 0.5 });
   volume.Voxels.assign(48, 0);
-  EXPECT_THROW(FindPoseAnchor(volume, {}, axes), InputError);
+  EXPECT_THROW(FindPoseFrame(volume, {}, axes), InputError);
 }

@@ -176,9 +176,9 @@ TEST(MeshConversion, ThePoseTurnsAboutTheHeldTissuesFront)
 {
   // LPS: left is +x, anterior -y, superior +z; the box is 2 x 3 x 4 from the origin.
   const AnatomicalAxes axes;
-  const Vector3 free = FindPoseAnchor(Tetrahedron(), { false, false, false }, axes);
+  const Vector3 free = FindPoseFrame(Tetrahedron(), { false, false, false }, axes).Anchor;
   EXPECT_LT(Norm(free - Vector3{ 1, 3, 2 }), 1e-12) << "the posterior end";
-  const Vector3 held = FindPoseAnchor(Tetrahedron(), { false, false, true }, axes);
+  const Vector3 held = FindPoseFrame(Tetrahedron(), { false, false, true }, axes).Anchor;
   EXPECT_LT(Norm(held - Vector3{ 1, 0, 2 }), 1e-12) << "the front of what is held";
 }
 

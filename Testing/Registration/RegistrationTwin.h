@@ -94,8 +94,7 @@ struct Twin
   /// Without views. The twin must outlive it.
   RegistrationProblem Problem()
   {
-    return { { std::shared_ptr<void>(), &this->Model }, this->Placement.Axes,
-      this->Placement.Anchor, {}, {} };
+    return { { std::shared_ptr<void>(), &this->Model }, this->Placement.Frame, {}, {} };
   }
 
   BreastModel Model;

@@ -24,7 +24,7 @@ BreastBody CoarseBody()
     { 3 } };
 }
 
-const UnitPlacement BodyPlacement{ AnatomicalAxes::FromCode("RAS"), { 0, 10, 0 }, {} };
+const UnitPlacement BodyPlacement{ { AnatomicalAxes::FromCode("RAS"), { 0, 10, 0 } }, {} };
 
 TEST(BreastBody, RefusesUnknownMaterialsAndAbsentSurfaces)
 {

@@ -32,7 +32,7 @@ TEST(UnitPlacement, PlateVelocitiesAgreeWithDifferencesOfThePlates)
 {
   for (const char* orientation : { "LPS", "ALS", "RAS", "LAS" }) // the last is left-handed
   {
-    UnitPlacement placement{ AnatomicalAxes::FromCode(orientation), { 3, -7, 11 }, {} };
+    UnitPlacement placement{ { AnatomicalAxes::FromCode(orientation), { 3, -7, 11 } }, {} };
     placement.Unit.SupportEdgeMm = -0.4;
     placement.Unit.PaddleEdgeMm = 0.6;
     BreastPose pose;

@@ -11,7 +11,7 @@ inline Mammogram Describe(double rollDeg, char laterality, int columns = 7, int 
 {
   const AnatomicalAxes axes;
   const VolumeFromGantry gantry =
-    PlaceUnit(axes, { 10, -20, 30 }, { .SourceToDetectorMm = 660 }, { .RollDeg = rollDeg });
+    PlaceUnit({ axes, { 10, -20, 30 } }, { .SourceToDetectorMm = 660 }, { .RollDeg = rollDeg });
   XRaySource source;
   source.Position = gantry.Point({ 0, 0, 660 });
   XRayDetector detector;

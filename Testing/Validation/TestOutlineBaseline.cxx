@@ -29,7 +29,7 @@ int HalfEllipsoid(const Vector3& point)
 /// The unit stands with its edge at the chest wall; its axes are x, -y, z of the volume.
 UnitPlacement Unit()
 {
-  UnitPlacement placement{ AnatomicalAxes::FromCode("LPS"), { 0, 0, 0 }, {} };
+  UnitPlacement placement{ { AnatomicalAxes::FromCode("LPS"), { 0, 0, 0 } }, {} };
   placement.Unit.SourceToDetectorMm = 650;
   placement.Unit.SupportHeightMm = 20;
   return placement;

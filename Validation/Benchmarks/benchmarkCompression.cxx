@@ -100,7 +100,7 @@ struct Breast
   ElasticTable Mechanics;
   LabelVolume Materials;
   AnatomicalAxes Axes = AnatomicalAxes::FromCode("ALS");
-  Vector3 Anchor{ 0, 0, 0 };
+  PoseFrame Frame;
   MammographyUnit Unit;
   /// Distance at which the plates touch, mm.
   double OpenMm = 0;
@@ -122,7 +122,7 @@ struct Breast
     }
     this->CellSizeMm = std::cbrt(voxels * this->Materials.VoxelVolume()) / 7;
     this->Cells = static_cast<double>(this->Mesh(0).NumberOfCells());
-    this->Anchor = FindPoseAnchor(this->Materials, this->Mechanics.Fixed, this->Axes);
+    this->Frame = FindPoseFrame(this->Materials, this->Mechanics.Fixed, this->Axes);
     CompressionSimulation simulation = this->Simulate(ElementType::Quadratic, this->Mesh(0));
     this->OpenMm = GapMm(simulation.OpenedPlates(this->Plates(BreastPose().ThicknessMm)));
   }
@@ -166,7 +166,7 @@ struct Breast
     BreastPose pose;
     pose.ThicknessMm = thicknessMm;
     pose.AnteriorMm = AnteriorMm;
-    return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
+    return PlaceUnit(this->Frame, this->Unit, pose);
   }
 
   PlatePair Plates(double thicknessMm) const

@@ -117,8 +117,7 @@ void CompressionWorker::Remember(const BreastPose& pose)
 {
   try
   {
-    const UnitPlacement placement{ this->Viewed.Axes, this->Viewed.Anchor,
-      this->Viewed.Breast.Unit };
+    const UnitPlacement placement{ this->Viewed.Frame, this->Viewed.Breast.Unit };
     const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(pose);
     const std::vector<PlatePairVelocity> moved{ all[ThicknessParameter], all[RollParameter] };
     CompressionSimulation& simulation = this->Model->Body().Simulation();
@@ -168,7 +167,7 @@ std::optional<CompressedAnatomy> CompressionWorker::Reduced(const BreastPose& po
 CompressionState CompressionWorker::Equilibrium(const BreastPose& pose,
   const ProgressCallback& progress)
 {
-  const UnitPlacement placement{ this->Viewed.Axes, this->Viewed.Anchor, this->Viewed.Breast.Unit };
+  const UnitPlacement placement{ this->Viewed.Frame, this->Viewed.Breast.Unit };
   BreastBody& body = this->Model->Body();
   // What is known changes in this thread only. From what it says of the pose itself, a hair inside
   // the plates, the way is longer than from the nearest one (1.6 to 2.0 s, 1.3).

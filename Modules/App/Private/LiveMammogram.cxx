@@ -144,8 +144,7 @@ std::vector<double> LiveMammogram::SeriesPoints(double thicknessMm) const
 
 VolumeFromGantry LiveMammogram::Placed() const
 {
-  return PlaceUnit(this->Viewed.Axes, this->Viewed.Anchor, this->Viewed.Breast.Unit,
-    this->UnitPose);
+  return PlaceUnit(this->Viewed.Frame, this->Viewed.Breast.Unit, this->UnitPose);
 }
 
 PlatePair LiveMammogram::Plates() const

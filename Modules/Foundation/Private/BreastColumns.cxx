@@ -191,6 +191,42 @@ void BreastColumns::Find()
   }
 }
 
+std::array<double, 2> BreastColumns::WallSlopes() const
+{
+  std::vector<Vector3> walls;
+  Vector3 middle{ 0, 0, 0 };
+  for (std::size_t column = 0; column < this->Breast.size(); ++column)
+  {
+    if (this->Breast[column] && std::isfinite(this->FixedFront[column]))
+    {
+      walls.push_back(
+        { this->WidthMm * static_cast<double>(column % this->CountAcross), this->FixedFront[column],
+          this->WidthMm * static_cast<double>(column / this->CountAcross) });
+      middle = middle + walls.back();
+    }
+  }
+  double xx = 0;
+  double xz = 0;
+  double zz = 0;
+  double xy = 0;
+  double zy = 0;
+  for (const Vector3& wall : walls)
+  {
+    const Vector3 d = wall - (1.0 / static_cast<double>(walls.size())) * middle;
+    xx += d[0] * d[0];
+    xz += d[0] * d[2];
+    zz += d[2] * d[2];
+    xy += d[0] * d[1];
+    zy += d[2] * d[1];
+  }
+  const double determinant = xx * zz - xz * xz;
+  if (determinant <= 0)
+  {
+    return { 0, 0 }; // fewer columns than a plane has parameters
+  }
+  return { (xy * zz - zy * xz) / determinant, (zy * xx - xy * xz) / determinant };
+}
+
 std::optional<double> BreastColumns::Midline() const
 {
   const std::vector<double> heights = this->Heights();

@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -36,6 +37,10 @@ public:
    * tissue, that rises 15 mm above the valley between the two.
    */
   std::optional<double> Midline() const;
+  /// How far the front of the fixed tissue behind the breast comes forward per mm to the left and
+  /// per mm to the head: of the least-squares plane through the breast's columns; 0 without fixed
+  /// tissue.
+  std::array<double, 2> WallSlopes() const;
   /// True if the column of a position belongs to the breast.
   bool IsBreast(const Vector3& place) const { return this->Breast[this->ColumnOf(place)] != 0; }
 

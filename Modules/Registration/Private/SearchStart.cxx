@@ -24,7 +24,7 @@ double UncompressedHeight(const SearchedBreast& breast, const BreastPose& pose)
   const auto depth = [&](std::size_t index)
   {
     const Vector3 point{ points[index], points[index + 1], points[index + 2] };
-    return Dot(point - placement.Anchor, placement.Axes.Anterior);
+    return Dot(point - placement.Frame.Anchor, placement.Frame.Axes.Anterior);
   };
   double deepest = 0;
   for (std::size_t index = 0; index < points.size(); index += 3)
