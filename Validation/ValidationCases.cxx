@@ -110,20 +110,13 @@ std::vector<PlannedStudy> ValidationStudies(const std::vector<Phantom>& phantoms
     study.Materials = PhantomMaterials;
     study.Orientation = PhantomOrientation;
   }
-  const std::string uta = publicData + "/uta11-breast-mri-CC-BY-SA-4.0";
-  for (const auto& [name, folder] :
-    { std::pair<std::string, std::string>{ "uta11-a", uta + "/a/t1-tse" },
-      { "uta11-b", uta + "/b/t1-fat-suppressed" },
-      { "duke-153", publicData + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse" } })
+  for (const Patient& patient : ValidationPatients(publicData, ""))
   {
-    if (std::filesystem::is_directory(folder))
-    {
-      PlannedStudy& study = anatomies.emplace_back();
-      study.Phantom = name;
-      study.Mri = folder;
-      study.Options.ChestAroundMm = 35;
-      study.Options.LeastForceN = 49;
-    }
+    PlannedStudy& study = anatomies.emplace_back();
+    study.Phantom = patient.Name;
+    study.Mri = patient.Mri;
+    study.Options.ChestAroundMm = 35;
+    study.Options.LeastForceN = 49;
   }
   std::vector<PlannedStudy> studies;
   for (int number = 0; number < count && !anatomies.empty(); ++number)
@@ -150,7 +143,7 @@ std::vector<Patient> ValidationPatients(const std::string& publicData, const std
   for (const fs::directory_entry& folder :
     fs::directory_iterator(publicData + "/uta11-breast-mri-CC-BY-SA-4.0", none))
   {
-    add(folder.path().filename().string(), folder.path() / "t1-fat-suppressed");
+    add("uta11-" + folder.path().filename().string(), folder.path() / "t1-fat-suppressed");
   }
   std::sort(patients.begin(), patients.end(),
     [](const Patient& a, const Patient& b) { return a.Name < b.Name; });

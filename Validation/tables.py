@@ -242,6 +242,12 @@ def coverage_table(twins, studies):
         values = joined(views_of(runs), "modelErrorNeeded")
         return "%.2f" % np.quantile(values, 0.95) if len(values) else "-"
 
+    def left_out(phantom):
+        """Coverage of an anatomy with the factor that the others need."""
+        own, others = (joined(views_of([run for run in studies if (run["phantom"] == phantom) == of]), "modelErrorNeeded")
+                       for of in (True, False))
+        return share((own <= np.quantile(others, 0.95)).astype(float)) if len(own) and len(others) else "-"
+
     rows = []
     phantoms = sorted({run["phantom"] for run in twins + [run for run in studies if run["views"]]})
     for phantom in [*phantoms, "all"] if phantoms else []:
@@ -249,9 +255,9 @@ def coverage_table(twins, studies):
             return [run for run in runs if phantom in ("all", run["phantom"])]
         parameters = free[(free["phantom"] == phantom) | (phantom == "all")]["within"]
         rows.append([phantom, share(parameters.astype(float)), share(run["coordinatesWithin"] for run in own(twins)),
-                     share(view["coordinatesWithin"] for view in views_of(own(studies))), needed(own(studies))])
+                     share(view["coordinatesWithin"] for view in views_of(own(studies))), needed(own(studies)), left_out(phantom)])
     text = markdown(["within 2 sigma", "parameters, twins", "points' coordinates, twins", "points' coordinates, studies",
-                     "of studies 95 % with the model's own error times"], rows)
+                     "of studies 95 % with the model's own error times", "with what the other anatomies need"], rows)
     halves = [needed([run for run in studies if run["seed"] % 2 == odd]) for odd in (0, 1)]
     if "-" not in halves:
         text += "For 95 %%: the model's own error times %s by studies of even numbers, times %s by those of odd ones.\n\n" % tuple(halves)

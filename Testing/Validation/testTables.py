@@ -139,12 +139,16 @@ class Tables(unittest.TestCase):
     def test_how_often_the_truth_is_within_two_deviations(self):
         twins = [twin("a", thickness_error=0.5), twin("b", thickness_error=3, coordinatesWithin=0.87)]
         text = self.text(twins=twins, studies=[study("b")])
-        self.assertEqual(cells(text, "a", "100.0 % (2)"), ["97.0 % (1)", "-", "-"])
-        self.assertEqual(cells(text, "b", "50.0 % (2)"), ["87.0 % (1)", "94.0 % (2)", "1.00"])
-        self.assertEqual(cells(text, "all", "75.0 % (4)"), ["92.0 % (2)", "94.0 % (2)", "1.00"])
+        self.assertEqual(cells(text, "a", "100.0 % (2)"), ["97.0 % (1)", "-", "-", "-"])
+        self.assertEqual(cells(text, "b", "50.0 % (2)"), ["87.0 % (1)", "94.0 % (2)", "1.00", "-"])
+        self.assertEqual(cells(text, "all", "75.0 % (4)"), ["92.0 % (2)", "94.0 % (2)", "1.00", "-"])
         self.assertNotIn("For 95 %", text)
         # 2 mm expected and found; two of three within the 5 mm of 95 %.
         self.assertIn("expects: 1.00 in the middle of 2 views (1.00 to 1.00); 66.7 % of", text)
+        # An anatomy with what the other one needs: 1 holds one of its two coordinates, 2 both of the other's.
+        text = self.text(studies=[study("a", needed=[0.5, 1]), study("b", needed=[0.8, 2])])
+        self.assertEqual(cells(text, "a", "-")[-1], "100.0 % (4)")
+        self.assertEqual(cells(text, "b", "-")[-1], "50.0 % (4)")
         # The other half of the numbers.
         text = self.text(twins=twins, studies=[study("b"), study("b", seed=5, needed=[2])])
         self.assertIn("times 1.00 by studies of even numbers, times 2.00", text)
