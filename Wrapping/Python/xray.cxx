@@ -288,10 +288,10 @@ public:
     unit.SupportHeightMm = supportHeightMm;
     const BreastPose placed{ pose.at(0), pose.at(1), pose.at(2), pose.at(3), pose.at(4), pose.at(5),
       pose.at(6), pose.at(7) };
-    const VolumeFromGantry gantry = PlaceUnit(axes,
-      anchor ? *anchor
-             : FindPoseAnchor(*Assemble(*this->Current), this->Current->Materials.Fixed(), axes),
-      unit, placed);
+    const Scene& scene = *this->Current;
+    const PoseFrame frame = anchor ? PoseFrame{ axes, *anchor }
+                                   : FindPoseFrame(*Assemble(scene), scene.Materials.Fixed(), axes);
+    const VolumeFromGantry gantry = PlaceUnit(frame, unit, placed);
     return { gantry.Origin, gantry.X, gantry.Y, gantry.Z };
   }
 
