@@ -2,6 +2,7 @@
 #include "mammoray/XRay/Scatter/MonteCarlo.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Scatter/Photons.h"
@@ -434,9 +435,9 @@ void CheckEnergies(const Spectrum& spectrum)
   if (spectrum.EnergiesKeV.front() < PhotonMaterial::LowestKeV ||
     spectrum.EnergiesKeV.back() > PhotonMaterial::HighestKeV)
   {
-    throw InputError("photons: expected energies of 1 to 150 keV, found " +
-      std::to_string(spectrum.EnergiesKeV.front()) + " to " +
-      std::to_string(spectrum.EnergiesKeV.back()));
+    throw InputError("photons: expected energies of " + NumberText(PhotonMaterial::LowestKeV) +
+      " to " + NumberText(PhotonMaterial::HighestKeV) + " keV, found " +
+      NumberText(spectrum.EnergiesKeV.front()) + " to " + NumberText(spectrum.EnergiesKeV.back()));
   }
 }
 }

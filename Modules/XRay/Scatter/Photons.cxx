@@ -14,8 +14,8 @@ namespace mammoray
 {
 namespace
 {
-constexpr int EnergyCount = 1200;
-constexpr int TransferCount = 800;
+constexpr int EnergyCount = 1500;
+constexpr int TransferCount = 1500;
 constexpr double ElectronRestKeV = 510.99895;
 /// keV times Angstrom.
 constexpr double WavelengthKeV = 12.398419843;

@@ -58,17 +58,18 @@ struct ScatteredPhoton
 };
 
 /**
- * How photons of 1 to 150 keV interact with a composition. Cross sections, form factors and
+ * How photons of 1 to 500 keV interact with a composition. Cross sections, form factors and
  * incoherent scattering functions of the elements are xraylib's (Schoonjans et al., Spectrochimica
  * Acta B 66, 2011; form factors of Hubbell et al. 1975) for independent atoms: interference between
  * molecules and Doppler broadening are neglected. Absorbed energy stays in place: there is no
- * fluorescence and no electron transport, whose range in tissue below 150 keV is less than 0.3 mm.
+ * fluorescence and no electron transport. Electrons reach 0.3 mm in tissue at 150 keV, 2 mm in
+ * tissue and 0.3 mm in steel at 500 keV; fluorescence matters in lead and tungsten.
  */
 class MAMMORAYXRAY_EXPORT PhotonMaterial
 {
 public:
   static constexpr double LowestKeV = 1;
-  static constexpr double HighestKeV = 150;
+  static constexpr double HighestKeV = 500;
 
   /// See ParseComposition for the text; throws InputError as it does, and unless the density
   /// (g/cm^3) is positive and finite.
@@ -108,7 +109,7 @@ MAMMORAYXRAY_EXPORT Vector3 TurnDirection(const Vector3& direction, double cosin
 /// Dose of 1 keV in 1 g, mGy.
 inline constexpr double MilligrayGramPerKeV = 1.602176634e-10;
 
-/// Kerma of a photon fluence of 1 per mm^2 in air near sea level, mGy (EnergyTransfer). 1 to 150
+/// Kerma of a photon fluence of 1 per mm^2 in air near sea level, mGy (EnergyTransfer). 1 to 500
 /// keV.
 MAMMORAYXRAY_EXPORT double AirKermaPerFluence(double energyKeV);
 
