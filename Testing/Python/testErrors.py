@@ -107,7 +107,7 @@ def interrupt(done):
 
 
 try:
-    mammoray.compress(mesh.points, mesh.tetrahedra, mesh.regions, materials=table, orientation="LAS", progress=interrupt)
+    mammoray.compress(mesh.points, mesh.cells, mesh.regions, materials=table, orientation="LAS", progress=interrupt)
     raise AssertionError("not interrupted")
 except KeyboardInterrupt:
     pass

@@ -91,6 +91,31 @@ assert numpy.allclose(two.expose().path_lengths[2], 20 * OBLIQUE, rtol=0, atol=1
 both_move = two.expose().derivatives([0 * rise, rise])
 assert numpy.allclose(both_move.path_lengths[0, 2], OBLIQUE, rtol=0, atol=1e-5) and not both_move.path_lengths[0, 1].any()
 
+# Reverse mode is forward mode turned round: <J v, g> = <v, J^T g>, of both samples, one of them turned; float's rounding of sums.
+random = numpy.random.default_rng(2)
+paired = two.expose()
+loss, velocities = random.normal(size=(10, 20)), [random.normal(size=(1, 8, 3)) for _ in range(2)]
+gradient = paired.backward(transmission=loss)
+forward = -(loss * paired.transmission * paired.derivatives(velocities).log_attenuation[0]).sum()
+reverse = sum((each[0] * of).sum() for each, of in zip(velocities, gradient.points))
+assert abs(forward - reverse) < 1e-4 * abs(loss * paired.transmission).sum(), (forward, reverse)
+# A change of a material's attenuation, and of a length, by hand.
+lengths = paired.path_lengths[1:].astype(float)
+assert numpy.allclose([gradient.attenuation["0.05/mm"], gradient.attenuation["0.02/mm"]],
+                      [-(loss * paired.transmission * mu * lengths[index]).sum() for index, mu in enumerate((0.05, 0.02))], rtol=1e-4)
+by_length = paired.backward(path_lengths=numpy.stack([0 * loss, loss, 0 * loss]))
+assert abs(by_length.points[0].sum(axis=0)[2] - 0) < 1e-3 * abs(loss).sum() and not by_length.points[1].any()
+# The place of the source, by central differences: the whole box seen obliquely.
+oblique = scene_of(source=(100, 30, 400), detector={"origin": (-95, -45, 0), "pixel_spacing": 10})
+loss = random.normal(size=(10, 20))
+slope = oblique.expose().backward(transmission=loss).source
+for axis in range(3):
+    sides = []
+    for step in (0.5, -0.5):
+        oblique.source.position = numpy.array((100, 30, 400)) + step * numpy.eye(3)[axis]
+        sides.append((loss * oblique.expose().transmission.astype(float)).sum())
+    assert abs(sides[0] - sides[1] - slope[axis]) < 0.05 * abs(slope).max() + 1e-3, (axis, sides, slope)
+
 # What has not changed is not repeated: of a moved mesh points are refitted, of another beam nothing is traced.
 with mr.Projector() as projector:
     scene = scene_of()
@@ -218,6 +243,20 @@ shown = unit.expose()
 assert (shown.transmission - plain.transmission).mean() > 0.002 and len(numpy.unique(shown.transmission)) > 150, "scatter, noise"
 assert shown.display().shape == (10, 20) and 0 <= shown.display().min() <= shown.display().max() <= 1
 
+# Dose by following photons: the mass of 96 cm3 of fat; 2 of its 48 cm2 lie before the detector, to which the beam is limited, and
+# half of what enters there stays, roughly. A copy without VTK cannot.
+unit.dose = True
+unit.scatter = mr.Scatter(photons=2e4, voxel=2)
+try:
+    dose = unit.expose().dose
+    assert abs(dose.mass["adipose"] - 88.3) < 1 and dose.photons == 20000, dose
+    assert 0.25 < dose.per_air_kerma["adipose"] * 24 < 0.7 and 0 < dose.error["adipose"] < 1e-3, dose
+    unit.dose = None
+    unit.scatter.method = "monte-carlo"
+    assert unit.expose().transmission.mean() > plain.transmission.mean()
+except mr.InputError as error:
+    assert "expected a mammoray with Meshing" in str(error) and not hasattr(mr._xray, "read_mesh"), error
+
 # Ctrl-C and a callback's own exception stop the work; another thread has a device of its own.
 slow = scene_of(detector={"columns": 400, "rows": 400, "samples": 4}, beam=mr.Beam(kev=20))
 slow.source.focal_spot = (1, 1)
@@ -317,6 +356,8 @@ refused("refraction: expected an element, a formula", scene_of, refraction=mr.Re
 refused("refraction: expected no noise", scene_of, materials="Al", refraction=mr.Refraction("geometric"), detector={"photons": 10})
 refused("velocities: expected n x 8 x 3", image.derivatives, numpy.zeros((1, 7, 3)))
 refused("velocities: expected those of one parameter at least", image.derivatives, numpy.zeros((0, 8, 3)))
+refused("backward: expected transmission or path_lengths, found neither", image.backward)
+refused("transmission: expected 10 x 20 values, found 3", image.backward, [1, 2, 3])
 refused("count: expected 1 to 100000, found 0", mr.turn, scene, 0)
 refused("axis: expected x, y, z or three numbers, found 'w'", mr.turn, scene, 3, axis="w")
 refused("expected auto, ray-tracing or rasterisation", mr.Projector, "fast")

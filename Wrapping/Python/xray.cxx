@@ -31,9 +31,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -144,6 +146,23 @@ public:
       chosen.insert(chosen.end(), first, first + 3);
     }
     return chosen;
+  }
+
+  /// Values of the surface's points as those of the mesh, n x 3; 0 where it has none.
+  py::array_t<double> OfMesh(std::span<const double> values, const Vector3& turnedBack) const
+  {
+    py::array_t<double> all({ this->MeshPoints, py::ssize_t{ 3 } });
+    double* const first = all.mutable_data();
+    std::fill(first, first + all.size(), 0.0);
+    for (std::size_t point = 0; 3 * point < values.size(); ++point)
+    {
+      const Vector3 turned =
+        Rotated({ values[3 * point], values[3 * point + 1], values[3 * point + 2] }, turnedBack);
+      const auto to = this->PointIds.empty() ? static_cast<std::ptrdiff_t>(point)
+                                             : static_cast<std::ptrdiff_t>(this->PointIds[point]);
+      std::copy(turned.begin(), turned.end(), first + 3 * to);
+    }
+    return all;
   }
 
   std::shared_ptr<const SurfaceMesh> Surface() const { return this->Now; }
@@ -360,6 +379,39 @@ struct ExposedScene
       ToArray(derivatives.MeanAttenuation, { lengths.Materials, lengths.Rows, lengths.Columns }));
   }
 };
+
+/// What a loss's derivatives are with respect to the parts of an exposure's scene.
+py::dict Backward(const ExposedScene& exposed, const std::optional<Array<float>>& transmission,
+  const std::optional<Array<float>>& lengths)
+{
+  Exposer::Loss loss;
+  loss.Transmission = transmission ? Values<float>(*transmission) : std::vector<float>();
+  loss.Lengths = lengths ? Values<float>(*lengths) : std::vector<float>();
+  Exposer::Gradient gradient;
+  {
+    const py::gil_scoped_release released;
+    gradient = exposed.Device->Backward(*exposed.Of, loss);
+  }
+  py::list points;
+  std::size_t begin = 0;
+  for (std::size_t index = 0; index < exposed.Surfaces.size(); ++index)
+  {
+    const SceneSample& sample = exposed.Of->Samples[index];
+    const std::size_t count = sample.Surface->Points.size();
+    points.append(exposed.Surfaces[index]->OfMesh(std::span(gradient.Points).subspan(begin, count),
+      -1.0 * sample.Rotation));
+    begin += count;
+  }
+  py::dict result;
+  result["points"] = points;
+  result["attenuation"] = gradient.Attenuation;
+  result["photons"] = gradient.Spectrum;
+  result["source"] = gradient.Source;
+  result["origin"] = gradient.Origin;
+  result["column_step"] = gradient.ColumnStep;
+  result["row_step"] = gradient.RowStep;
+  return result;
+}
 
 /// A device with what it keeps. Closed, it opens again when it is used.
 class Camera
@@ -673,6 +725,7 @@ void DeclareExposure(py::module_& module)
       [shape](const ExposedScene& exposed)
       { return ToArray(DisplayValues(exposed.Picture, exposed.Of->Detector), shape(exposed)); })
     .def("derivatives", &ExposedScene::Differentiate)
+    .def("backward", &Backward)
     .def("recombine",
       [shape](const ExposedScene& high, const ExposedScene& low, double weight)
       { return ToArray(Recombine(low.Picture, high.Picture, weight), shape(high)); });

@@ -60,8 +60,8 @@ def _find(module: str, package: str) -> None:
 _find("numpy", "python3-numpy")
 from ._mesh import Mesh, read_mesh  # noqa: E402  after numpy was found
 from ._scene import (  # noqa: E402
-    Beam, Derivatives, Detector, Dose, DualEnergy, Exposure, Material, Placement, Projector, Refraction, Sample, Scatter, Scene, Series,
-    Source, devices, dual_energy, load_scene, material_table, tomosynthesis, turn)
+    Beam, Derivatives, Detector, Dose, DualEnergy, Exposure, Gradient, Material, Placement, Projector, Refraction, Sample, Scatter,
+    Scene, Series, Source, devices, dual_energy, load_scene, material_table, tomosynthesis, turn)
 
 if TYPE_CHECKING:
     from ._breast import Compression, LabelVolume, Mammogram, Registration, compress, mesh, register
@@ -75,8 +75,8 @@ _WITH_VTK = {
                      "vtkXRayProjector"), "_filters")}
 
 __all__ = ["__version__", "DeviceError", "Error", "InputError", "Beam", "Derivatives", "Detector", "Dose", "DualEnergy", "Exposure",
-           "Material", "Mesh", "Placement", "Projector", "Refraction", "Sample", "Scatter", "Scene", "Series", "Source", "devices",
-           "dual_energy", "load_scene", "material_table", "read_mesh", "tomosynthesis", "turn"] + (
+           "Gradient", "Material", "Mesh", "Placement", "Projector", "Refraction", "Sample", "Scatter", "Scene", "Series", "Source",
+           "devices", "dual_energy", "load_scene", "material_table", "read_mesh", "tomosynthesis", "turn"] + (
                list(_WITH_VTK) if _build.WITH_VTK else [])
 
 
