@@ -162,19 +162,19 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
     "attenuations": { "gland": "H2O@1.04" }, "iodine": { "gland": 2.5 },
     "samples": [ { "file": "rod.stl", "material": "Ti", "unit": "um", "translation": [1, 2, 3],
       "rotation": { "axis": [0, 1, 1], "angle": 30 } }, { "file": "chip.stl", "material": "Al" } ],
-    "overlap-priority": [ "Ti", "Al" ],
+    "overlap-priority": [ "Ti", "Al" ], "realistic": true,
     "source": { "position": [0, 1, 650], "focal-spot": [0.3, 0.1], "focal-spot-samples": 3,
       "inverse-square": true, "heel": { "angle": 20, "depth-um": 0.25 } },
     "detector": { "origin": [1, 2, 3], "column-direction": [0, 1, 0], "row-direction": [-1, 0, 0],
       "columns": 4, "rows": 3, "pixel-spacing": 0.07, "samples": 2, "response": "counting",
       "scintillator": "CsI@4.51:0.15", "photons": 10000.5, "electronic-noise": 5,
       "half-modulation": 4, "seed": 7 },
-    "beam": { "tube": "Mo", "kvp": 27.5, "filter": [ "Mo:0.03", "Al:1" ] },
+    "beam": { "tube": "W", "kvp": 27.5, "target-angle": 15, "filter": [ "Mo:0.03", "Al:1" ] },
     "scatter": { "method": "kernels", "air-gap": 15, "photons": 1000000, "voxel": 2,
       "grid": { "ratio": 6, "lines-per-cm": 40, "septum-um": 50, "interspace": "air" } },
     "refraction": { "law": "near-field", "distance": 2 }, "dose": true })";
   const std::string written = WriteScene(ReadScene(folder.Write("scene.json", all)));
-  // Every key but the excluded ones: a beam is one of three, a mesh stands in place of samples.
+  // Every key but the excluded ones: a beam is one of four, a mesh stands in place of samples.
   for (const SceneQuantity& quantity : SceneQuantities())
   {
     if (quantity.Key == "unit")
@@ -183,7 +183,7 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
     }
     const std::string last = quantity.Key.substr(quantity.Key.rfind('.') + 1);
     const bool isOther = quantity.Key.starts_with("mesh") || last == "kev" || last == "spectrum" ||
-      last == "beam-direction" || last == "response-table";
+      last == "energies" || last == "beam-direction" || last == "response-table";
     EXPECT_EQ(written.find('"' + last + '"') == std::string::npos, isOther) << quantity.Key;
   }
   EXPECT_THAT(written, HasSubstr(folder.File("rod.stl")));
@@ -196,6 +196,63 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
   EXPECT_EQ(again.Samples[0].UnitMm, 1e-3);
   // Defaults are left out.
   EXPECT_EQ(WriteScene({}), "{}\n");
+}
+
+TEST(SceneIO, TableAndSpectrumMayBeInTheFile)
+{
+  const TemporaryFolder folder;
+  SurfaceMesh box;
+  shapes::AddBox(box, { 0, 0, 0 }, { 10, 20, 40 }, 1);
+  WriteMesh(ToPolyData(box, {}), folder.File("box.vtp"));
+  const auto text = [](const std::string& attenuation)
+  {
+    return R"({ "materials": { "materials": [ { "name": "air", "labels": [0] },
+      { "name": "fat", "labels": [1], "attenuation": ")" +
+      attenuation + R"(" } ] }, "samples": [ { "file": "box.vtp" } ],
+      "beam": { "energies": [20, 30], "photons": [1, 3] } })";
+  };
+  const SceneDescription description =
+    ReadScene(folder.Write("scene.json", text("20:0.05 30:0.02/mm")));
+  const Scene scene = LoadScene(description);
+  ASSERT_EQ(scene.Materials.Materials.size(), 2u);
+  EXPECT_EQ(scene.Materials.Materials[1].Name, "fat");
+  EXPECT_DOUBLE_EQ(scene.Attenuations[1].MuAt(30, 1), 0.02);
+  EXPECT_EQ(scene.XRays.Weights, (std::vector<double>{ 1, 3 }));
+  EXPECT_EQ(Assemble(scene)->BackMaterials.front(), 1);
+  // It is written with them.
+  const std::string written = WriteScene(description);
+  EXPECT_EQ(WriteScene(ReadScene(folder.Write("written.json", written))), written);
+  EXPECT_THAT(written, HasSubstr("20:0.05 30:0.02/mm"));
+  // A surface in memory stands for its file, and photons have any energy.
+  SceneDescription inMemory = ReadScene(folder.Write("scene.json", text("0.07/mm")));
+  inMemory.Samples[0].File.clear();
+  inMemory.Samples[0].Surface = std::make_shared<const SurfaceMesh>(box);
+  EXPECT_NEAR(MakeScene(inMemory).Attenuations[1].MuAt(450, 1), 0.07, 1e-12);
+  EXPECT_THAT(RefusalOf([&] { LoadScene(ReadScene(folder.Write("s.json", text("0.07x/mm")))); }),
+    HasSubstr("expected numbers, as 0.05/mm, found '0.07x'"));
+  EXPECT_THAT(RefusalOf([&] { LoadScene(ReadScene(folder.Write("s.json", text("butter")))); }),
+    HasSubstr("materials[1].density_g_per_cm3: unknown attenuation 'butter'"));
+  EXPECT_THAT(SceneRefusal(R"({ "materials": 3 })"), HasSubstr("materials: expected the name of"));
+  inMemory.Materials.clear();
+  EXPECT_THAT(RefusalOf([&] { MakeScene(inMemory); }),
+    HasSubstr("samples[0].material: expected one, or materials of the scene, found neither"));
+}
+
+TEST(SceneIO, ARealisticUnitHasWhatNoKeyGives)
+{
+  SceneDescription description =
+    ReadScene(TemporaryFolder().Write("scene.json", R"({ "realistic": true,
+      "detector": { "photons": 5 }, "scatter": { "grid": { "ratio": 8 } } })"));
+  const Scene scene = MakeScene(description);
+  EXPECT_THAT(scene.XRays.Name, HasSubstr("W 29 kVp"));
+  EXPECT_TRUE(scene.Field.InverseSquare);
+  EXPECT_EQ(scene.Field.Heel.TargetAngleDeg, 20);
+  EXPECT_EQ(scene.Scatter.Method, SceneScatter::Model::Kernels);
+  EXPECT_EQ(scene.Scatter.Grid->Ratio, 8);
+  EXPECT_EQ(scene.Detection.PhotonsPerPixel, 5);
+  EXPECT_EQ(scene.Detection.HalfModulationPerMm, 5);
+  SetQuantity({ "kev", "beam.kev", { "20" } }, description);
+  EXPECT_EQ(MakeScene(description).XRays.MeanEnergyKeV(), 20);
 }
 
 TEST(SceneIO, SettingsAreChecked)
