@@ -16,6 +16,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "breathe"]
 exclude_patterns = ["pictures"]
 root_doc = "index"
 language = "en"
+smartquotes = False  # -- begins an option
 
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 4

@@ -8,10 +8,12 @@ usage: make.py BIN-FOLDER [--demo FOLDER] [NAME ...]   all pictures, or those na
 BIN-FOLDER: where mammoray and mammoray-validate are. drawn.json keeps which code has drawn which picture.
 """
 import argparse
+import functools
 import gzip
 import hashlib
 import inspect
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -38,6 +40,9 @@ def sum_of(data):
 
 
 def code_of(function):
+    """Of a function its source, of a script of the gallery its text."""
+    if isinstance(function, functools.partial):
+        return sum_of(function.keywords["script"].read_bytes())
     return sum_of(inspect.getsource(function).encode())
 
 
@@ -247,12 +252,12 @@ def draw_fibre(tools):
     fibre.SetResolution(12000)
     write_surface(fibre, tools.work / "fibre.stl")
     geometry = ["--surface", "SiC@3.0=fibre.stl", "--kev", 20, "--beam-direction", 0, 0, -1, "--detector-origin",
-                -0.149, -0.003, -500, "--column-direction", 1, 0, 0, "--row-direction", 0, 1, 0, "--columns", 150, "--rows", 4,
-                "--pixel-spacing", 0.002, "--samples", 16, "--set", "detector.half-modulation=150"]
+                -0.14975, 0, -500, "--column-direction", 1, 0, 0, "--row-direction", 0, 1, 0, "--columns", 600, "--rows", 1,
+                "--pixel-spacing", 0.0005, "--samples", 16]
     tools.run("project", *geometry, "-o", "straight.mha")
     tools.run("project", *geometry, "--set", "refraction.law=geometric", "-o", "bent.mha")
-    # Nothing changes along the fibre.
-    straight, bent = (numpy.repeat(tools.image(f"{which}.mha").mean(axis=0, keepdims=True), 100, axis=0) for which in ("straight", "bent"))
+    # Pixels of 2 micrometres; nothing changes along the fibre.
+    straight, bent = (numpy.repeat(tools.image(f"{which}.mha").reshape(1, 150, 4).mean(axis=2), 100, axis=0) for which in ("straight", "bent"))
     plt = pyplot()
     figure, axes = plt.subplots(1, 3, figsize=(10.8, 3))
     for axis, values, title in ((axes[0], straight, "SiC fibre of 0.14 mm, straight rays"), (axes[1], bent, "refracted, 0.5 m")):
@@ -322,6 +327,86 @@ def draw_iodine(tools):
                                       ("recombined: a ball of 8 mm with 2 mg/ml of iodine", left, (middle - 0.03, middle + 0.05))], 3.8)
 
 
+@picture("film.webp")
+def draw_film(tools):
+    """The breast closes between the plates (a cut through a lesion), its X-ray, and the target with the place of the lesion."""
+    import io
+    import numpy
+    import vtk
+    from PIL import Image
+    from vtk.util.numpy_support import vtk_to_numpy
+    plt = pyplot()
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Ellipse
+    steps, lesion = 20, numpy.array([30.0, 12.0, -10.0])
+    pose = {one["name"]: one["value"] for one in json.loads((tools.demo / "result.json").read_text())["parameters"]}
+    if not (tools.work / "closing.pvd").exists():
+        tools.run("compress", "--mesh", tools.demo / "uncompressed.vtu", "--labels", root / "Data/victre-phantom-1/labels.nrrd", "--materials",
+                  "victre", "--orientation", "ALS", "--thickness", pose["thickness"], "--anterior", pose["anterior"], "--series",
+                  "closing.pvd", "--series-steps", steps, "-o", "closed.vtu")
+    colours = numpy.array([(0, 0, 0), (0.98, 0.86, 0.62), (0.86, 0.42, 0.40), (0.80, 0.62, 0.50), (0.55, 0.38, 0.55)])
+    target = plt.imread(tools.demo / "real.png")
+    frames = []
+    for step in range(steps):
+        reader = vtk.vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(tools.work / f"closing_{step:03d}.vtu"))
+        reader.Update()
+        grid = reader.GetOutput()
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        moved = vtk_to_numpy(grid.GetPointData().GetArray("Displacement"))
+        place = lesion + moved[numpy.argmin(numpy.linalg.norm(points - moved - lesion, axis=1))]
+        thickness = vtk_to_numpy(grid.GetFieldData().GetArray("ThicknessMm"))[0]
+        origin = vtk_to_numpy(grid.GetFieldData().GetArray("Placement"))[0]
+        plane = vtk.vtkPlane()
+        plane.SetOrigin(place)
+        plane.SetNormal(0, 1, 0)
+        cutter = vtk.vtkCutter()
+        cutter.SetCutFunction(plane)
+        cutter.SetInputData(grid)
+        cutter.Update()
+        cut = cutter.GetOutput()
+        corners = vtk_to_numpy(cut.GetPoints().GetData())
+        triangles = vtk_to_numpy(cut.GetPolys().GetData()).reshape(-1, 4)[:, 1:]
+        material = vtk_to_numpy(cut.GetCellData().GetArray("Material")).astype(int)
+        tools.run("project", "--mesh", f"closing_{step:03d}.vtu", "--materials", "victre", "--orientation", "ALS", "--thickness", thickness,
+                  "--anterior", pose["anterior"], "--columns", 180, "--rows", 260, "--pixel-spacing", 0.42, "-o", "film.mha", "--overwrite")
+        shadow = -numpy.log(numpy.maximum(tools.image("film.mha"), 1e-4))
+        figure, axes = plt.subplots(1, 3, figsize=(9.6, 4.2), facecolor="#14171c", gridspec_kw={"width_ratios": [1.25, 1, 1]})
+        body = PolyCollection(
+            corners[triangles][:, :, [0, 2]], facecolors=colours[numpy.clip(material, 0, 4)], edgecolors="face", linewidths=0.2)
+        axes[0].add_collection(body)
+        middle = origin[2] + 2 + 0.5 * pose["thickness"]  # the support's face is 2 mm above the receptor; both plates move
+        for low in (middle - 0.5 * thickness - 3, middle + 0.5 * thickness):
+            axes[0].fill([origin[0], 85, 85, origin[0]], [low, low, low + 3, low + 3], color="#9fb4c7")
+        axes[0].plot(place[0], place[2], "o", markersize=10, markerfacecolor="none", markeredgecolor="#19e36b", markeredgewidth=2)
+        axes[0].set(xlim=(-14, 86), ylim=(-62, 66), aspect="equal")
+        axes[1].imshow(shadow, cmap="gray", vmin=0, vmax=numpy.percentile(shadow, 99.5))
+        axes[2].imshow(target, cmap="gray")
+        last = step == steps - 1
+        for axis, title in zip(axes, (f"compression: {thickness:.0f} mm", "synthetic mammogram", "target (FDA phantom, simulated)")):
+            axis.set_title(title, color="white", fontsize=10)
+            axis.axis("off")
+        figure.tight_layout()
+        repeats = [False, True] if last else [False]
+        for marked in repeats:
+            if marked:
+                located = subprocess.run([tools.programs / "mammoray", "locate", "--result", tools.demo, "--point", *map(str, lesion)], check=True,
+                                         capture_output=True, text=True).stdout
+                column, row = map(float, re.search(r"pixel +(\S+) +(\S+)", located).groups())
+                wide, high = (2.45 * 10 * float(value) for value in re.search(r"uncertainty +(\S+) x (\S+)", located).groups())
+                across = target.shape[1] / 720
+                ellipse = Ellipse(
+                    (column * across, row * across), 2 * wide * across, 2 * high * across, fill=False, color="#19e36b", linewidth=2)
+                axes[2].add_patch(ellipse)
+                axes[2].annotate("lesion, 95 %", (column * across, row * across), (12, -26), textcoords="offset points", color="#19e36b")
+            data = io.BytesIO()
+            figure.savefig(data, dpi=100, facecolor=figure.get_facecolor())
+            frames.append(Image.open(data).convert("RGB"))
+        plt.close(figure)
+    durations = [400] + [140] * (len(frames) - 3) + [700, 2400]
+    frames[0].save(here / "film.webp", save_all=True, append_images=frames[1:], duration=durations, loop=0, quality=75, method=4)
+
+
 @picture("viewer.png")
 def draw_viewer(tools):
     tools.run("view", "--result", tools.demo, "--mammogram", root / "Data/victre-phantom-1/victre1_lcc_processing.dcm", "--point", 30, 12, -10,
@@ -330,7 +415,7 @@ def draw_viewer(tools):
 
 @picture("report.png")
 def draw_report(tools):
-    subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1000,1500",
+    subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1000,940",
                     f"--screenshot={here / 'report.png'}", f"file://{tools.demo.resolve()}/report.html"], check=True, capture_output=True)
 
 
@@ -387,6 +472,21 @@ def draw_correction(tools):
     draw("correct-changed.png", mri[k][cut], labels[k][cut], spacing, wrong[cut])
 
 
+GALLERY = {f"gallery-{script.stem}.png": script for script in sorted((root / "docs/gallery").glob("*.py"))}
+
+
+def draw_gallery(tools, script):
+    """A script of the gallery, with the package of PYTHONPATH or of the folder of the programs."""
+    packages = next(iter((tools.programs.parent / "lib").glob("python3*/site-packages")), "")
+    subprocess.run([sys.executable, script, tools.work], check=True, cwd=root, env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": (
+        os.environ.get("PYTHONPATH", "") or str(packages))})
+    (here / f"gallery-{script.stem}.png").write_bytes((tools.work / f"{script.stem}.png").read_bytes())
+
+
+for name, script in GALLERY.items():
+    PICTURES[name] = functools.partial(draw_gallery, script=script)
+
+
 def check():
     drawn = json.loads(DRAWN.read_text())
     wrong = [f"{name}: no function draws it" for name in drawn if name not in PICTURES]
@@ -395,7 +495,7 @@ def check():
         if name not in drawn or not path.exists():
             wrong.append(f"{name}: was never drawn")
         elif drawn[name]["code"] != code_of(function):
-            wrong.append(f"{name}: is older than the code that draws it ({function.__name__})")
+            wrong.append(f"{name}: is older than the code that draws it ({getattr(function, '__name__', name)})")
         elif drawn[name]["picture"] != sum_of(path.read_bytes()):
             wrong.append(f"{name}: is not the picture that was drawn")
     for line in wrong:
@@ -420,7 +520,7 @@ def main():
         for name in given.names or PICTURES:
             function = PICTURES[name]
             if function not in done:
-                print(function.__name__, flush=True)
+                print(getattr(function, "__name__", name), flush=True)
                 function(tools)
                 done.append(function)
             for made in (other for other, by in PICTURES.items() if by is function):
