@@ -5,6 +5,7 @@
 - links to files, pages and headings lead somewhere;
 - words are spelt as aspell's dictionary or words.txt has them (left out where there is no aspell);
 - pages that a person writes have at most MOST_WORDS words in all, README.md at most MOST_LINES lines;
+- messages of the page on troubleshooting are in the sources;
 - each page of docs with blocks to run is listed in CMakeLists.txt.
 
 usage: checkPages.py PROJECT-FOLDER [WORD-LIST]
@@ -76,6 +77,19 @@ def check_spelling(root, paths, known, wrong):
             wrong.append(f"{path.relative_to(root)}: unknown words: {', '.join(sorted(unknown))}")
 
 
+def check_messages(root, page, wrong):
+    """The messages that a page explains, a code span in the first cell of a row, are in the sources: a run of words of each."""
+    if not page.exists():
+        return
+    sources = " ".join(path.read_text(errors="replace") for top in ("Modules", "Applications") if (root / top).is_dir()
+                       for path in sorted((root / top).rglob("*.cxx")) + sorted((root / top).rglob("*.h")))
+    sources = re.sub(r'"\s*(?:\+\s*)?"', "", sources)  # literals that are written in parts
+    for message in re.findall(r"^\| `([^`]+)`", page.read_text(), re.MULTILINE):
+        runs = re.findall(r"[A-Za-z,][A-Za-z, -]*[A-Za-z]", message)
+        if not any(len(run) >= 7 and run in sources for run in runs):
+            wrong.append(f"{page.relative_to(root)}: no source says: {message}")
+
+
 def count_words(text):
     """Words outside code."""
     return sum(bool(re.search(r"\w", word)) for word in FENCE.sub("", text).split())
@@ -92,6 +106,7 @@ def main():
     written = [path for path in (root / "docs").rglob("*.md") if not is_generated(path)]
     known = {word.lower() for word in words.read_text().split()}
     check_spelling(root, written + [root / "README.md"], known, wrong)
+    check_messages(root, root / "docs/how-to/troubleshooting.md", wrong)
     total = sum(count_words(path.read_text()) for path in written)
     if total > MOST_WORDS:
         wrong.append(f"docs: expected at most {MOST_WORDS} words, found {total}")

@@ -17,19 +17,22 @@ FAULTS = {
     "expected at most 15000 words": "word " * 15001 + "\n",
     "does not list it": "```sh run\ntrue\n```\n",
 }
+MESSAGES = "# Troubleshooting\n\n| message | cause |\n|---|---|\n| `expected a mesh, found ...` | x |\n"
 if shutil.which("aspell"):
     FAULTS["unknown words: speling"] = "The speling is wrong.\n"
 
 
-def run(fault):
+def run(fault, messages=""):
     with tempfile.TemporaryDirectory() as name:
         root = pathlib.Path(name)
-        for folder in ("docs", "Testing/Docs"):
+        for folder in ("docs/how-to", "Testing/Docs", "Modules"):
             (root / folder).mkdir(parents=True)
         (root / "docs/page.md").write_text(PAGE + fault)
         (root / "docs/other.md").write_text(OTHER)
         (root / "README.md").write_text("# A page\n")
         (root / "Testing/Docs/CMakeLists.txt").write_text("set(pages other)\n")
+        (root / "Modules/Read.cxx").write_text('throw Error("expected a " +\n  "mesh, found " + what);\n')
+        (root / "docs/how-to/troubleshooting.md").write_text(messages)
         (root / "words.txt").write_text("mammoray\n")
         done = subprocess.run([sys.executable, CHECK, root, root / "words.txt"], capture_output=True, text=True)
         return done.returncode, done.stdout
@@ -40,3 +43,6 @@ assert status == 0, output
 for expected, fault in FAULTS.items():
     status, output = run(fault)
     assert status == 1 and expected in output, f"expected {expected!r} in:\n{output}"
+assert run("", MESSAGES)[0] == 0, run("", MESSAGES)
+status, output = run("", MESSAGES.replace("a mesh", "a message"))
+assert status == 1 and "no source says" in output, output
