@@ -380,12 +380,14 @@ void SceneDescription::Validate() const
   const bool hasTube = this->Has("beam.tube");
   const int beams = has("beam.kev") + has("beam.energies") + has("beam.spectrum") +
     (hasTube || this->Has("beam.kvp") ? 1 : 0);
-  if (beams > 1 || (beams == 1 && this->Has("beam.kvp") && !hasTube))
+  if (beams > 1)
   {
     throw InputError(
-      std::string("beam: expected one of kev, energies, spectrum, and tube with kvp, "
-                  "found ") +
-      (beams > 1 ? "several" : "another"));
+      "beam: expected one of kev, energies, spectrum, and tube with kvp, found several");
+  }
+  if (this->Has("beam.kvp") && !hasTube)
+  {
+    throw InputError("beam.tube: expected beside kvp, found none");
   }
   if (has("beam.target-angle") && !hasTube)
   {

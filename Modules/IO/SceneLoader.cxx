@@ -88,6 +88,19 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
   scene.Samples.push_back(std::move(placed));
 }
 
+/// The material that a key names.
+int IndexForKey(const std::string& name, const MaterialTable& table, const std::string& key)
+{
+  try
+  {
+    return table.IndexOf(name);
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(key + ": " + error.what());
+  }
+}
+
 MaterialTable MaterialsOf(const SceneDescription& description)
 {
   MaterialTable table;
@@ -96,15 +109,15 @@ MaterialTable MaterialsOf(const SceneDescription& description)
     table = description.Materials.starts_with('{') ? ParseMaterialTable(description.Materials)
                                                    : FindMaterialTable(description.Materials);
   }
-  const auto named = [&table](const std::string& name) -> Material&
-  { return table.Materials[static_cast<std::size_t>(table.IndexOf(name))]; };
+  const auto named = [&table](const std::string& name, const std::string& key) -> Material&
+  { return table.Materials[static_cast<std::size_t>(IndexForKey(name, table, key))]; };
   for (const auto& [name, text] : description.Attenuations)
   {
-    SetAttenuation(text, "attenuation of " + name, named(name));
+    SetAttenuation(text, "attenuation of " + name, named(name, "attenuations"));
   }
   for (const auto& [name, iodine] : description.IodineMgPerMl)
   {
-    named(name).IodineMgPerMl = iodine;
+    named(name, "iodine").IodineMgPerMl = iodine;
   }
   if (table.Materials.empty())
   {
@@ -207,7 +220,7 @@ Scene MakeScene(SceneDescription description)
   }
   for (const std::string& name : description.OverlapPriority)
   {
-    scene.OverlapPriority.push_back(scene.Materials.IndexOf(name));
+    scene.OverlapPriority.push_back(IndexForKey(name, scene.Materials, "overlap-priority"));
   }
   if (scene.Scatter.Method == SceneScatter::Model::Kernels)
   {

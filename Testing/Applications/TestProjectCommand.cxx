@@ -253,7 +253,7 @@ TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
   EXPECT_LT(unit[5 * 30 + 25], plain[5 * 30 + 25] * 0.99);
   this->ExpectRefused(options + " --tube Mo --filter Mo", "MATERIAL[@DENSITY]:MM");
   this->ExpectRefused(options + " --tube Mo --kev 20",
-    "beam: expected one of kev, spectrum, and tube");
+    "beam: expected one of kev, energies, spectrum, and tube");
   this->ExpectRefused(options + " --set detector.electronic-noise=3", "photons per pixel");
   this->ExpectRefused(options + " --set source.heel.angle=95",
     "source.heel.angle: expected a number from 0.1");

@@ -322,7 +322,7 @@ TEST(SceneIO, RefusesByPlace)
     { "\"kev\": 60", "\"kev\": 501", "beam.kev: expected a number from 1 to 500, found 501" },
     { "\"kev\": 60", "\"kev\": \"60\"", "beam.kev: expected a number from 1 to 500" },
     { "\"kev\": 60", R"("kev": 60, "spectrum": "W")", "found several" },
-    { "\"kev\": 60", R"("kvp": 30)", "beam: expected one of kev, energies, spectrum, and tube" },
+    { "\"kev\": 60", R"("kvp": 30)", "beam.tube: expected beside kvp, found none" },
     { "\"focal-spot\": [50, 25]", R"("heel": { "depth-um": 1 })",
       "source.heel.angle: expected a " },
     { "\"origin\": [-16, 200, 6], ", "", "detector: expected origin, column-direction and " },

@@ -776,8 +776,19 @@ void DeclareScene(py::module_& module)
         const std::string& second, double thicknessMm)
       {
         const MaterialTable& table = low.Current->Materials;
-        return CancellingWeight(MakeBeam(*low.Current), MakeBeam(*high.Current),
-          table.IndexOf(first), table.IndexOf(second), thicknessMm);
+        const auto indexOf = [&table](const std::string& name)
+        {
+          try
+          {
+            return table.IndexOf(name);
+          }
+          catch (const InputError& error)
+          {
+            throw InputError(std::string("cancel: ") + error.what());
+          }
+        };
+        return CancellingWeight(MakeBeam(*low.Current), MakeBeam(*high.Current), indexOf(first),
+          indexOf(second), thicknessMm);
       });
   py::class_<ProjectionView>(module, "View")
     .def_readonly("angle", &ProjectionView::AngleDeg)

@@ -191,7 +191,7 @@ class _Part:
             object.__setattr__(self, name, value)
             return
         if name not in self._declared:
-            raise InputError(f"{type(self).__name__}: no field '{name}'; {suggestion(name, list(self._declared))}")
+            raise InputError(f"{type(self).__name__}: no field '{name}'; {suggestion(name, self._names())}")
         settings = self.__dict__.setdefault("_given", {})
         if value is None:
             settings.pop(name, None)
@@ -203,6 +203,9 @@ class _Part:
             settings[name] = given
             value = dict(value) if isinstance(value, Mapping) else tuple(value) if isinstance(value, (list, tuple)) else value
         object.__setattr__(self, name, value)
+
+    def _names(self) -> list[str]:
+        return list(self._declared)
 
     def _all(self) -> list[Any]:
         return [setting for settings in self.__dict__.get("_given", {}).values() for setting in settings]
@@ -380,7 +383,7 @@ class Scene(_Part):
                 value = made_from(kind, value, name)
             object.__setattr__(self, name, value)
         elif name == "samples":
-            several = [value] if isinstance(value, (Mesh, Sample)) else list(value)
+            several = list(value) if isinstance(value, (list, tuple)) else [value]
             object.__setattr__(self, name, [each if isinstance(each, Sample) else Sample(each) for each in several])
         elif name == "materials":
             kept = value if value is None or isinstance(value, str) else materials_of(value)
@@ -391,7 +394,15 @@ class Scene(_Part):
     def __getattr__(self, name: str) -> Any:
         if name in self._declared:  # not set
             return None
-        raise AttributeError(f"Scene has no field '{name}'; {suggestion(name, [*_PARTS, 'samples', 'materials', *self._declared])}")
+        raise AttributeError(f"Scene: no field '{name}'; {suggestion(name, self._names())}")
+
+    def _names(self) -> list[str]:
+        return ["samples", "materials", *_PARTS, *self._declared]
+
+    def __repr__(self) -> str:
+        given = [*(f"{name}={getattr(self, name)!r}" for name in _PARTS if getattr(self, name)._all()),
+                 *(f"{name}={getattr(self, name)!r}" for name in self._declared if getattr(self, name) is not None)]
+        return f"Scene({', '.join([repr(self.samples), f'materials={self.materials!r}', *given])})"
 
     def _table(self) -> tuple[list[Any], list[str]]:
         """The setting of the materials, and each sample's material."""
@@ -476,6 +487,8 @@ class Scene(_Part):
 
         Raises InputError, which names the field; DeviceError without a Vulkan device; KeyboardInterrupt on Ctrl-C. Warns
         (RuntimeWarning) of surfaces that leak and of an empty picture."""
+        if not isinstance(projector, (Projector, type(None))):
+            raise InputError(f"projector: expected a Projector, found {projector!r}")
         return (projector or _shared()).expose(self, progress)
 
     def place_unit(self, orientation: str = "LPS", *, thickness: float = 50.0, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0,
