@@ -104,6 +104,7 @@ public:
       mesh.Points = Values<double>(points);
       mesh.Cells = Values<std::int32_t>(corners);
       mesh.Materials = Values<std::int32_t>(regions);
+      const py::gil_scoped_release released;
       mesh.ValidateIndices("mesh");
       surface = ExtractInterfaces(mesh, &this->PointIds);
     }

@@ -360,17 +360,19 @@ class Scene(_Part):
         both are placed around the samples: the source before them, looking along +y, rows of the picture downwards along -z
     """
 
+    samples: list[Sample]
+    materials: Union[str, dict[int, Material], None]
+    source: Source
+    detector: Detector
+    beam: Beam
+    scatter: Scatter
+    refraction: Refraction
+
     def __init__(self, samples: Any = (), *, materials: Optional[Materials] = None, source: Optional[Source] = None,
                  detector: Optional[Detector] = None, beam: Optional[Beam] = None, scatter: Optional[Scatter] = None,
                  refraction: Optional[Refraction] = None, **fields: Any) -> None:
-        self.samples = samples
-        self.materials = materials
-        self.source = source
-        self.detector = detector
-        self.beam = beam
-        self.scatter = scatter
-        self.refraction = refraction
-        for name, value in fields.items():
+        for name, value in {"samples": samples, "materials": materials, "source": source, "detector": detector, "beam": beam,
+                            "scatter": scatter, "refraction": refraction, **fields}.items():
             setattr(self, name, value)
         self._made: Any = None
 
@@ -406,7 +408,7 @@ class Scene(_Part):
 
     def _table(self) -> tuple[list[Any], list[str]]:
         """The setting of the materials, and each sample's material."""
-        known: dict[int, Material] = dict(self.materials) if isinstance(self.materials, dict) else {}
+        known = dict(self.materials) if isinstance(self.materials, dict) else {}
         texts = []
         for index, sample in enumerate(self.samples):
             material = sample.material
@@ -560,7 +562,8 @@ class Scene(_Part):
 
 
 def load_scene(path: Union[str, os.PathLike[str]]) -> Scene:
-    """Reads a scene file (docs/reference/scene-files.md) with its meshes. Raises InputError, which names the place in the file."""
+    """Reads a scene file (docs/reference/scene-files.md) with its meshes. Raises InputError, which names the place in the file. Where
+    it has neither source nor detector, place_unit gives them the places that `mammoray project` would."""
     path = os.fspath(path)
     described = json.loads(_xray.read_scene(path))
     scene = Scene()
