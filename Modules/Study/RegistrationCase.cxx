@@ -354,7 +354,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   // What a study's MRI takes of the time before the rest begins as it does with labels.
   const double segmenting = !input.Study ? 0.0 : input.Labels.Path.empty() ? 0.25 : 0.05;
   RegistrationCaseResult result;
-  const NoteKeeper notes(NoteKeeper::Others::Told);
+  NoteKeeper notes(NoteKeeper::Others::Told);
   Stopwatch stopwatch(result.Timings, "read");
   const ProgressCallback progress =
     [&stopwatch, told = ShareOf(whole, segmenting, 1)](double fraction, const char* stage)

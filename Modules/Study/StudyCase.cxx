@@ -192,9 +192,18 @@ void HideNames(Study& study)
   for (std::size_t index = 0; index < series.size(); ++index)
   {
     const std::optional<double> number = series[index].Header.SeriesNumber;
+    const std::string written = "'" + series[index].Description + "'";
     series[index].Description = number && std::abs(*number) < 1e9
       ? "series " + std::to_string(std::lround(*number))
       : "volume " + std::to_string(index + 1) + " of the MRI";
+    for (StudySeries& other : series) // which it may be the evidence of
+    {
+      const std::size_t at = other.ContrastEvidence.find(written);
+      if (at != std::string::npos)
+      {
+        other.ContrastEvidence.replace(at, written.size(), "'" + series[index].Description + "'");
+      }
+    }
   }
 }
 }

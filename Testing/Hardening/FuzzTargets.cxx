@@ -47,7 +47,7 @@ FuzzTarget Refusing(const std::function<void(const std::string& bytes)>& read)
 {
   return [read](const std::string& bytes) -> std::string
   {
-    const NoteKeeper notes; // of which each would be kept as said
+    NoteKeeper notes; // of which each would be kept as said
     try
     {
       read(bytes);

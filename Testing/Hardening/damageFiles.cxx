@@ -74,7 +74,7 @@ bool IsOneLine(const std::string& text)
   dup2(said, STDERR_FILENO);
   Outcome outcome = Outcome::Taken;
   std::string message;
-  const NoteKeeper notes; // which may be said beside the answer
+  NoteKeeper notes; // which may be said beside the answer
   try
   {
     format.Read(path);

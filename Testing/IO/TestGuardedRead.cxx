@@ -100,8 +100,8 @@ TEST(GuardedRead, FieldsAndNotesArriveAsWell)
     []
     {
       Note({ "a", "alone" }), Note({ "a", "alone" });
-      const NoteKeeper silent;
-      const NoteKeeper told(NoteKeeper::Others::Told);
+      NoteKeeper silent;
+      NoteKeeper told(NoteKeeper::Others::Told);
       Note({ "a", "kept" });
       EXPECT_EQ(told.Lines(), std::vector<std::string>{ "a: kept" });
       EXPECT_EQ(silent.Lines(), told.Lines());
@@ -110,7 +110,7 @@ TEST(GuardedRead, FieldsAndNotesArriveAsWell)
   std::thread(
     []
     {
-      const NoteKeeper told(NoteKeeper::Others::Told);
+      NoteKeeper told(NoteKeeper::Others::Told);
       Note({ "a", "told" });
       EXPECT_EQ(told.Lines(), std::vector<std::string>{ "a: told" });
     })

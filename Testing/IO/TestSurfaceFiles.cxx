@@ -222,7 +222,7 @@ class SurfaceFiles : public testing::Test
 protected:
   Reading Read(const std::string& name, const std::string& bytes)
   {
-    const NoteKeeper notes;
+    NoteKeeper notes;
     Reading reading;
     reading.Surface = ReadSurface(this->Folder.Write(name, bytes));
     reading.Told = Joined(notes.Lines());
@@ -508,7 +508,7 @@ TEST_F(SurfaceFiles, PhysicalGroupsOfGmshAreMaterials)
 {
   const auto read = [this](const std::string& bytes, std::vector<std::string>& names)
   {
-    const NoteKeeper notes;
+    NoteKeeper notes;
     const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Folder.Write("a.msh", bytes)), &names);
     return std::pair{ mesh, Joined(notes.Lines()) };
   };
@@ -598,7 +598,7 @@ TEST_F(SurfaceFiles, CellsThatAreNoTetrahedraAreTold)
   };
   const auto read = [this](const std::string& bytes)
   {
-    const NoteKeeper notes;
+    NoteKeeper notes;
     const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Folder.Write("a.vtk", bytes)));
     return std::pair{ mesh, Joined(notes.Lines()) };
   };

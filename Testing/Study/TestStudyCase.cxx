@@ -103,6 +103,28 @@ TEST(StudyCase, IsFilledFromTheExport)
   EXPECT_EQ(input.Materials, "mine.json");
 }
 
+TEST(StudyCase, NamesNoSeriesInItsReasonsUnlessAsked)
+{
+  MadeUpStudy study;
+  study.AddSlices(MadeUpMr("1.2.4", "ax 3d dyn of Zqxmark"));
+  study.AddSlices(MadeUpMr("1.2.5", "Ph1/ax 3d dyn of Zqxmark"));
+  study.AddSlices(MadeUpMr("1.2.6", "Ph2/ax 3d dyn of Zqxmark"));
+  study.Add(MadeUpMammogram("L", "CC"));
+  for (const bool named : { false, true })
+  {
+    RegistrationCase input;
+    input.NameInputs = named;
+    TakeStudy(study.Folder(), 'L', input);
+    std::string told;
+    for (const StudySeries& series : input.Study->Found.Series)
+    {
+      told += series.Description + ": " + series.ContrastEvidence + ", " + series.Reason + "\n";
+    }
+    EXPECT_EQ(told.find("Zqxmark") != std::string::npos, named) << told;
+    EXPECT_THAT(told, HasSubstr("of its protocol"));
+  }
+}
+
 TEST(StudyCase, RefusesWhatCannotBeRegistered)
 {
   const MadeUpExport study;

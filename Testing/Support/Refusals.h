@@ -20,7 +20,7 @@ template <typename Action>
 std::string RefusalOf(const Action& action)
 {
   std::string message = NotRefused;
-  const NoteKeeper notes; // which are no refusals
+  NoteKeeper notes; // which are no refusals
   testing::internal::CaptureStderr();
   try
   {
