@@ -13,7 +13,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <dlfcn.h>
@@ -79,6 +83,31 @@ std::string FindDataFile(const std::string& pathOrName, const std::string& what,
       " of that name; " + SpellingHint(pathOrName, KnownNames(folder, extension)));
   }
   return path.string();
+}
+
+/// FindComposition, whose last tables are kept: a loop over voltages or poses asks for them again
+/// in every step, and each takes as long as a small picture.
+std::optional<AttenuationTable> FindKnownComposition(const std::string& name)
+{
+  static std::mutex guard;
+  static std::map<std::string, AttenuationTable> known;
+  const std::lock_guard<std::mutex> held(guard);
+  const auto found = known.find(name);
+  if (found != known.end())
+  {
+    return found->second;
+  }
+  AttenuationTable table;
+  if (!FindComposition(name, table))
+  {
+    return std::nullopt;
+  }
+  constexpr std::size_t mostKept = 64;
+  if (known.size() >= mostKept)
+  {
+    known.clear();
+  }
+  return known.emplace(name, std::move(table)).first->second;
 }
 
 /// "0.05/mm", or "20:0.05 30:0.02/mm" by keV.
@@ -149,10 +178,9 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   {
     return ParseLinearAttenuation(name);
   }
-  AttenuationTable table;
-  if (FindComposition(name, table))
+  if (const std::optional<AttenuationTable> composition = FindKnownComposition(name))
   {
-    return table;
+    return *composition;
   }
   const std::vector<std::string> tables = KnownNames(folder, ".csv");
   std::vector<std::string> known = tables;
