@@ -5,6 +5,7 @@
 #include "ProgressBar.h"
 #include "Schema.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <CLI/CLI.hpp>
 
@@ -155,8 +156,11 @@ int main(int argc, char* argv[])
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return status; // leaks are found at exit
 #else
-  // Nothing is left to do. OpenBLAS would join its threads, of which one that has hardly started
-  // never ends (seen on a busy machine after a refusal; OpenBLAS issue 1720, pull request 2372).
+  // Nothing else is left to do. OpenBLAS would join its threads, of which one that has hardly
+  // started never ends (seen on a busy machine after a refusal; OpenBLAS issue 1720, pull request
+  // 2372).
+  std::fflush(nullptr);
+  mammoray::GiveUpReservations();
   std::_Exit(status);
 #endif
 }

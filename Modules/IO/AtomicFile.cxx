@@ -219,13 +219,25 @@ private:
   bool IsRenamed = false;
 };
 
-/// Returns the reservation of the path, empty if this process has none, from a list of all of them.
+/// All reservations of this process, by their places.
+struct HeldReservations
+{
+  std::mutex Mutex;
+  std::map<fs::path, std::unique_ptr<Reservation>> ByPlace;
+
+  static HeldReservations& Instance()
+  {
+    static HeldReservations held;
+    return held;
+  }
+};
+
+/// Returns the reservation of the path, empty if this process has none.
 std::unique_ptr<Reservation>& HeldReservation(const std::string& path)
 {
-  static std::mutex mutex;
-  static std::map<fs::path, std::unique_ptr<Reservation>> held;
-  const std::lock_guard<std::mutex> guard(mutex);
-  return held[ResolvedPlace(path)];
+  HeldReservations& held = HeldReservations::Instance();
+  const std::lock_guard<std::mutex> guard(held.Mutex);
+  return held.ByPlace[ResolvedPlace(path)];
 }
 
 bool Reserve(const std::string& path, bool isFolder)
@@ -253,6 +265,13 @@ void UseReservation(const std::string& path, bool isFolder,
 bool ReserveFile(const std::string& path)
 {
   return Reserve(path, false);
+}
+
+void GiveUpReservations()
+{
+  HeldReservations& held = HeldReservations::Instance();
+  const std::lock_guard<std::mutex> guard(held.Mutex);
+  held.ByPlace.clear();
 }
 
 bool ReserveFolder(const std::string& path)

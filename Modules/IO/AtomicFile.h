@@ -27,6 +27,9 @@ MAMMORAYIO_EXPORT bool ReserveFile(const std::string& path);
  */
 MAMMORAYIO_EXPORT bool ReserveFolder(const std::string& path);
 
+/// Gives up all reservations that this process holds; for one that ends without destructors.
+MAMMORAYIO_EXPORT void GiveUpReservations();
+
 /// Returns true if the path is a folder that can be read and holds nothing, or only the partial
 /// folder by which ReserveFolder reserves a mount point.
 MAMMORAYIO_EXPORT bool IsEmptyFolder(const std::string& path);
