@@ -480,7 +480,7 @@ std::vector<SceneRow> ScatterRows()
     GridRow(Number("scatter.grid.septum-um", "um", 0.1, 2000, "thickness of its septa; default 65"),
       1e-3, &AntiscatterGridOptions::SeptumMm),
     InterspaceRow(),
-    Row(Other(Kind::Flag, "dose", "", "print the mean dose of each material, by following photons",
+    Row(Other(Kind::Flag, "dose", "", "also the mean dose of each material, by following photons",
           Use::Daily),
       MEMBER(Fixed.Dose)),
   };

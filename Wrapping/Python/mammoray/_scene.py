@@ -179,7 +179,8 @@ class _Part:
         cls._declared = _fields_within(cls._prefix)
         lines = []
         for name, quantity in cls._declared.items():
-            described = " ".join(quantity["help"].split())
+            # Where a scene stands that has no places is another thing than where the program puts it.
+            described = " ".join(quantity["help"].split()).replace("; without it the mammography unit's", "")
             limits = quantity["range"]
             facts = [quantity["unit"] and f"{quantity['unit']}", limits and f"{limits[0]:g} to {limits[1]:g}",
                      quantity["words"] and " | ".join(quantity["words"]), quantity["default"] and f"default {quantity['default']}"]
