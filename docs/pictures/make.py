@@ -415,7 +415,7 @@ def draw_viewer(tools):
 
 @picture("report.png")
 def draw_report(tools):
-    subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1000,940",
+    subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1000,1000",
                     f"--screenshot={here / 'report.png'}", f"file://{tools.demo.resolve()}/report.html"], check=True, capture_output=True)
 
 
