@@ -105,6 +105,13 @@ def save_panels(path, panels, height):
     plt.close(figure)
 
 
+def run_script(tools, script):
+    """With the package of PYTHONPATH, or of the folder of the programs."""
+    packages = next(iter((tools.programs.parent / "lib").glob("python3*/site-packages")), "")
+    subprocess.run([sys.executable, script, tools.work], check=True, cwd=root, stdout=subprocess.DEVNULL, env={
+        **os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": os.environ.get("PYTHONPATH", "") or str(packages)})
+
+
 def write_surface(source, path):
     import vtk
     triangles = vtk.vtkTriangleFilter()
@@ -210,23 +217,24 @@ def draw_trust(tools):
     plt.close(figure)
 
 
-@picture("target.png", "synthetic.png", "difference.png", "mammograms.png")
+@picture("mammograms.png")
 def draw_mammograms(tools):
     plt = pyplot()
-    panels = []
-    for name, title, source in (("target", "target (FDA phantom, simulated)", "real"), ("synthetic", "synthetic", "synthetic"),
-                                ("difference", "difference, standard deviations", "difference")):
-        data = (tools.demo / f"{source}.png").read_bytes()
-        (here / f"{name}.png").write_bytes(data)
-        panels.append((title, plt.imread(tools.demo / f"{source}.png")))
     figure, axes = plt.subplots(1, 3, figsize=(9.6, 4.9))
-    for axis, (title, values) in zip(axes, panels):
-        axis.imshow(values, cmap="gray")
+    for axis, title, name in zip(axes, ("target (FDA phantom, simulated)", "synthetic", "difference, standard deviations"),
+                                 ("real", "synthetic", "difference")):
+        axis.imshow(plt.imread(tools.demo / f"{name}.png"), cmap="gray")
         axis.set_title(title, fontsize=10)
         axis.axis("off")
     figure.tight_layout()
     figure.savefig(here / "mammograms.png", dpi=100)
     plt.close(figure)
+
+
+@picture("tutorial-mammograms.png")
+def draw_tutorial(tools):
+    run_script(tools, root / "docs/tutorials/python_registration.py")
+    (here / "tutorial-mammograms.png").write_bytes((tools.work / "mammograms.png").read_bytes())
 
 
 @picture("unit.png")
@@ -476,10 +484,7 @@ GALLERY = {f"gallery-{script.stem}.png": script for script in sorted((root / "do
 
 
 def draw_gallery(tools, script):
-    """A script of the gallery, with the package of PYTHONPATH or of the folder of the programs."""
-    packages = next(iter((tools.programs.parent / "lib").glob("python3*/site-packages")), "")
-    subprocess.run([sys.executable, script, tools.work], check=True, cwd=root, env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": (
-        os.environ.get("PYTHONPATH", "") or str(packages))})
+    run_script(tools, script)
     (here / f"gallery-{script.stem}.png").write_bytes((tools.work / f"{script.stem}.png").read_bytes())
 
 

@@ -143,9 +143,9 @@ breast = (synthetic > 0.1) & (measured > 0.1)
 score = lambda picture: numpy.where(breast, (picture - picture[breast].mean()) / picture[breast].std(), numpy.nan)
 figure, axes = plt.subplots(1, 3, figsize=(10, 5.2))
 for axis, picture, title in zip(axes, (score(measured), score(synthetic), score(synthetic) - score(measured)),
-                                ("real", "synthetic", "difference, sd")):
+                                ("target (FDA phantom, simulated)", "synthetic", "difference, sd")):
     axis.set_facecolor("black")
-    shown = axis.imshow(picture, vmin=-2.5, vmax=2.5, cmap="gray" if title in ("real", "synthetic") else "RdBu_r")
+    shown = axis.imshow(picture, vmin=-2.5, vmax=2.5, cmap="RdBu_r" if title.startswith("difference") else "gray")
     axis.set(title=title, xticks=[], yticks=[])
 figure.colorbar(shown, ax=axes, shrink=0.7)
 figure.savefig(folder / "mammograms.png", dpi=90, bbox_inches="tight")
