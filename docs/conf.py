@@ -33,7 +33,7 @@ def keep_layout(app, what, name, thing, options, lines):
     first = " ".join(line.strip() for line in lines[:len(lines) - len(rest)])
     lines[:] = [first, ""]
     if any(line.strip() for line in rest):
-        lines += ["::", ""] + ["   " + line for line in rest] + [""]
+        lines += [".. code-block:: text", ""] + ["   " + line for line in rest] + [""]
 
 
 def setup(app):
