@@ -115,6 +115,41 @@ void AddPose(const ExposureView& view, const PoseGradient& pose, Exposer::Gradie
     turned(view.Detector.RowStep, view.SpotRowMm);
 }
 
+/// The gradient with respect to the motions of samples, whose points lie one after the other.
+std::vector<Exposer::Gradient::Motion> MotionsOf(const Scene& scene,
+  const std::vector<double>& points, const std::vector<double>& gradient)
+{
+  std::vector<Exposer::Gradient::Motion> motions;
+  std::size_t first = 0;
+  for (const SceneSample& sample : scene.Samples)
+  {
+    Exposer::Gradient::Motion motion;
+    Vector3 torque{ 0, 0, 0 };
+    const std::size_t end = first + sample.Surface->Points.size();
+    for (; first < end; first += 3)
+    {
+      const Vector3 part{ gradient[first], gradient[first + 1], gradient[first + 2] };
+      const Vector3 turned =
+        Vector3{ points[first], points[first + 1], points[first + 2] } - sample.TranslationMm;
+      motion.Translation = motion.Translation + part;
+      torque = torque + Cross(turned, part);
+    }
+    // A change c of the rotation vector r turns the sample by J c, with the left Jacobian of
+    // rotations J = s + (1 - s) a a^T + (1 - cos |r|) / |r| [a x], s = sin |r| / |r|, a = r / |r|.
+    const double angle = Norm(sample.Rotation);
+    motion.Rotation = torque;
+    if (angle > 0)
+    {
+      const Vector3 axis = (1 / angle) * sample.Rotation;
+      const double share = std::sin(angle) / angle;
+      motion.Rotation = share * torque + ((1 - share) * Dot(axis, torque)) * axis -
+        ((1 - std::cos(angle)) / angle) * Cross(axis, torque);
+    }
+    motions.push_back(motion);
+  }
+  return motions;
+}
+
 /// What a scatter model depends on.
 struct ScatterKey
 {
@@ -409,6 +444,7 @@ Exposer::Gradient Exposer::Backward(const Scene& scene, const Loss& loss)
       PoseGradientOf(internal.Surface->Points, points, view.Source, view.Detector, *image, lengths),
       gradient);
   }
+  gradient.Samples = MotionsOf(scene, internal.Surface->Points, gradient.Points);
   gradient.Spectrum.assign(scene.XRays.Weights.size(), 0.0);
   for (std::size_t bin = 0, energy = 0; bin < gradient.Spectrum.size(); ++bin)
   {

@@ -86,6 +86,13 @@ public:
     Vector3 Origin{ 0, 0, 0 };
     Vector3 ColumnStep{ 0, 0, 0 };
     Vector3 RowStep{ 0, 0, 0 };
+    /// Of TranslationMm (1/mm) and Rotation (1/rad) of each of Scene::Samples.
+    struct Motion
+    {
+      Vector3 Translation{ 0, 0, 0 };
+      Vector3 Rotation{ 0, 0, 0 };
+    };
+    std::vector<Motion> Samples;
   };
   /**
    * The gradient of a loss whose derivatives with respect to this scene's exposure are known, in

@@ -144,7 +144,7 @@ struct MAMMORAYXRAY_EXPORT HeelEffect
   /// including their tilt. 0: no heel effect.
   double TargetAngleDeg = 0;
   /// Mean depth at which photons arise, mm. Not negative; 0.0005 is a quarter of the range of
-  /// electrons of 28 keV in tungsten (ESTAR).
+  /// electrons of 28 keV in tungsten (ESTAR). 0.005 at 120 kV, 0.012 at 225 (TungstenTarget.h).
   double DepthMm = 0;
   /// Composition of the target (see FindComposition).
   std::string Target = "W";

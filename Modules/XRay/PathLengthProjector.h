@@ -209,9 +209,9 @@ public:
    * of the loss, in the order of PathLengthImage::Lengths, the gradient of the loss with respect to
    * every point, 3 x pointCount. It is the transpose of the derivatives of Project (see
    * PathLengthDerivatives, of whose rounding only that of normals and barycentric coordinates is
-   * left), and costs about as much as two images, however many points there are. Rays that are
-   * inconsistent contribute nothing. Throws InputError if sizes do not fit and on a derivative that
-   * is not finite. Transmission needs another Project afterwards.
+   * left), and costs about as much as one to two images, however many points there are. Rays that
+   * are inconsistent contribute nothing. Throws InputError if sizes do not fit and on a derivative
+   * that is not finite. Transmission needs another Project afterwards.
    */
   virtual std::vector<double> Backward(const XRaySource& source, const XRayDetector& detector,
     const std::vector<float>& lossByLength) = 0;

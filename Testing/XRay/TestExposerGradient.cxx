@@ -52,7 +52,7 @@ Scene BallInBlock(bool isParallel)
 /// The loss in double precision: transmissions times their losses, path lengths times theirs.
 double LossOf(const Scene& scene, const Exposer::Loss& loss)
 {
-  const SurfaceMesh& mesh = *scene.Samples[0].Surface;
+  const std::shared_ptr<const SurfaceMesh> mesh = Assemble(scene);
   const Beam beam = MakeBeam(scene, { true, true, true });
   const ExposureOptions& detection = scene.Detection;
   const XRayDetector& detector = scene.Detector;
@@ -80,7 +80,7 @@ double LossOf(const Scene& scene, const Exposer::Loss& loss)
         const Vector3 from = scene.Source.Type == XRaySource::Kind::Point
           ? source
           : pixel - (1e3 / Norm(scene.Source.Direction)) * scene.Source.Direction;
-        std::vector<double> lengths = ReferenceLengths(mesh, from, pixel);
+        std::vector<double> lengths = ReferenceLengths(*mesh, from, pixel);
         lengths.resize(3, 0.0);
         if (!loss.Transmission.empty())
         {
@@ -212,6 +212,38 @@ TEST_P(ExposerGradient, ThroughFocalSpotAndSamplesMatchesDifferences)
   ExpectDifferences(scene,
     { RandomLosses(scene.Detector.NumberOfPixels()),
       RandomLosses(3 * scene.Detector.NumberOfPixels()) });
+}
+
+TEST_P(ExposerGradient, OfTheMotionsOfSamplesMatchesDifferences)
+{
+  Scene scene = BallInBlock(false);
+  auto block = std::make_shared<SurfaceMesh>();
+  AddBox(*block, { -9, -8, -7 }, { 9, 8, 7 }, 1);
+  auto ball = std::make_shared<SurfaceMesh>();
+  AddSphere(*ball, { 1, 2, 3 }, 8, 2, 1);
+  scene.Samples = { { block, 1, { 0.3, -0.5, 0.8 }, { -15, 2, 1 } },
+    { ball, 2, { 0, 0, 0 }, { 12, 1, 4 } } };
+  const Exposer::Loss loss{ RandomLosses(scene.Detector.NumberOfPixels()), {} };
+  Exposer exposer({ .Projection = GetParam(), .Validation = true });
+  const Exposer::Gradient gradient = exposer.Backward(scene, loss);
+  ASSERT_EQ(gradient.Samples.size(), 2u);
+  for (std::size_t sample = 0; sample < 2; ++sample)
+  {
+    const auto& [translation, rotation] = gradient.Samples[sample];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      EXPECT_NEAR(translation[axis],
+        Difference(scene, loss, 1e-6,
+          [&](Scene& changed, double by) { changed.Samples[sample].TranslationMm[axis] += by; }),
+        2e-5 * Norm(translation))
+        << "sample " << sample << " axis " << axis;
+      EXPECT_NEAR(rotation[axis],
+        Difference(scene, loss, 1e-7,
+          [&](Scene& changed, double by) { changed.Samples[sample].Rotation[axis] += by; }),
+        2e-5 * Norm(rotation))
+        << "sample " << sample << " axis " << axis;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, ExposerGradient,

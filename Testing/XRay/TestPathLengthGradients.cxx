@@ -139,6 +139,14 @@ TEST_P(GradientTest, FollowsTheRaysThatAreTracedAgain)
   const PathLengthImage image = this->Projector->Project(ParallelBeam({ 0, 0, -1 }), detector);
   EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
   this->ExpectIdentity(mesh, ParallelBeam({ 0, 0, -1 }), detector, "slit");
+  // Sums and marks of the image before are used again, with the same result in integers.
+  const std::vector<float> losses = RandomNumbers<float>(2 * detector.NumberOfPixels(), 5);
+  this->Projector->SetSurface(mesh);
+  const std::vector<double> first =
+    this->Projector->Backward(ParallelBeam({ 0, 0, -1 }), detector, losses);
+  EXPECT_EQ(this->Projector->Backward(ParallelBeam({ 0, 0, -1 }), detector, losses), first);
+  this->Projector->Project(ParallelBeam({ 0, 0.1, -1 }), detector);
+  EXPECT_EQ(this->Projector->Backward(ParallelBeam({ 0, 0, -1 }), detector, losses), first);
   // A hole that no offset avoids: inconsistent rays contribute nothing.
   for (std::size_t point = mesh.NumberOfPoints() - 4; point < mesh.NumberOfPoints(); ++point)
   {

@@ -284,22 +284,22 @@ vec3 rateFactors(
 void addToGradient(inout Triangle triangle, Real3 values, bool facesSource, uint left, uint entered,
   uint columnIndex, uint rowIndex)
 {
-  const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
-  if (!isTraced(columnIndex, rowIndex) || !isSound(place * (parameters.Materials - 1u)))
-  {
-    return;
-  }
   const uint samples = parameters.Samples;
   const uint pixel = samples == 1u
     ? rowIndex * parameters.PixelColumns + columnIndex
     : rowIndex / samples * parameters.PixelColumns + columnIndex / samples;
   const float loss = (left != 0u ? losses[left * parameters.PixelCount + pixel] : 0.0) -
     (entered != 0u ? losses[entered * parameters.PixelCount + pixel] : 0.0);
-  if (loss != 0)
+  if (loss == 0 || !isTraced(columnIndex, rowIndex))
   {
-    const uint good = samples * samples - failures[pixel];
+    return;
+  }
+  const uint failed = failures[pixel];
+  const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
+  if (failed == 0u || isSound(place * (parameters.Materials - 1u)))
+  {
     const vec3 factors = rateFactors(triangle, values, facesSource, columnIndex, rowIndex);
-    triangle.Gradient += Real(loss / float(good)) * Real3(factors);
+    triangle.Gradient += Real(loss / float(samples * samples - failed)) * Real3(factors);
   }
 }
 

@@ -321,7 +321,8 @@ std::vector<SceneRow> SourceRows()
       }),
     MakeRow(
       Number("source.heel.depth-um", "um", 0, 1000,
-        "depth of the photons in the target; default 0.5"),
+        "depth of the photons in the target; default 0.5, as at 28 kV (5 at 120 kV, 12 at 225, 29 "
+        "at 450)"),
       [](SceneDescription& scene, const Json& value)
       { scene.Fixed.Field.Heel.DepthMm = 1e-3 * value.get<double>(); },
       [](const SceneDescription& scene)

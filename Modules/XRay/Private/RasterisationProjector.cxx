@@ -109,6 +109,7 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(Pass
 
 void RasterisationProjector::SurfaceChanged(const std::vector<double>&, bool)
 {
+  this->Last.reset();
   // Room for the rounding of positions in single precision.
   this->Reach =
     1e-6 + (1 + 1e-6) * 0.5 * Norm(this->Surface.Bounds.High - this->Surface.Bounds.Low);
@@ -339,6 +340,7 @@ template <typename Finish>
 std::uint32_t RasterisationProjector::FillBands(const XRaySource& source,
   const XRayDetector& detector, int fields, const Finish& finish)
 {
+  this->Last.reset();
   std::uint32_t failed = 0;
   const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
   int band = static_cast<int>(std::min<std::uint64_t>(this->MostBytes() / rowBytes,
@@ -354,6 +356,10 @@ std::uint32_t RasterisationProjector::FillBands(const XRaySource& source,
       std::vector<Work> attempts = this->RunAgain(source, detector, work);
       failed += this->FailedPixels();
       attempts.insert(attempts.begin(), work);
+      if (fields == 0 && rowCount == detector.Rows)
+      {
+        this->Last = { source, detector, attempts };
+      }
       finish(attempts);
       firstRow += rowCount;
     }
@@ -379,16 +385,25 @@ std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayD
 
 void RasterisationProjector::AddGradient(const XRaySource& source, const XRayDetector& detector)
 {
+  if (this->Last && this->Last->Source == source && this->Last->Detector == detector)
+  {
+    this->AddBand(source, detector, this->Last->Attempts);
+    return;
+  }
   this->FillBands(source, detector, 0,
-    [&](const std::vector<Work>& attempts)
-    {
-      for (Work work : attempts)
-      {
-        work.HasMarks = attempts.size() > 1;
-        this->WriteParametersOf(source, detector, work);
-        this->SubmitGradient();
-      }
-    });
+    [&](const std::vector<Work>& attempts) { this->AddBand(source, detector, attempts); });
+}
+
+void RasterisationProjector::AddBand(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<Work>& attempts)
+{
+  this->UpdateBindings();
+  for (Work work : attempts)
+  {
+    work.HasMarks = attempts.size() > 1;
+    this->WriteParametersOf(source, detector, work);
+    this->SubmitGradient();
+  }
 }
 
 void RasterisationProjector::SubmitGradient()

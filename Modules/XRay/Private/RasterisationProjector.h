@@ -5,6 +5,8 @@
 #include "Private/DeviceProjector.h"
 
 #include <array>
+#include <optional>
+#include <vector>
 
 namespace mammoray
 {
@@ -82,13 +84,24 @@ private:
   /// Follows failed rays of these rows again a few times, with small offsets, until FailedPixels is
   /// 0. Returns the attempts.
   std::vector<Work> RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
-  /// Adds the gradient of the rays that an attempt followed last, whose parameters are written.
+  /// Adds the gradient of all rays of a band, whose sums are there.
+  void AddBand(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<Work>& attempts);
+  /// Adds that of the rays that an attempt followed last, whose parameters are written.
   void SubmitGradient();
   /// Entries that there is room for in the list of tiles.
   std::uint64_t TileCapacity() const
   {
     return this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
   }
+
+  /// Of the last image, where its sums are still there: of one band, without rates.
+  struct Filled
+  {
+    XRaySource Source;
+    XRayDetector Detector;
+    std::vector<Work> Attempts;
+  };
 
   ShaderBindings Bindings;
   /// By Pass; created at first use.
@@ -100,6 +113,7 @@ private:
   Buffer Tiles;
   Buffer TileCount;
   Buffer Marks;
+  std::optional<Filled> Last;
 };
 }
 
