@@ -3,7 +3,7 @@
 # # From a label volume to a registered mammogram
 #
 # Labels are an array, meshes and pictures come back as arrays; between them stand VTK filters that work only on what has changed.
-# Run it cell by cell, or as `python3 tutorial.py FOLDER`: FOLDER receives the pictures. Lengths are mm.
+# Run it cell by cell, or as `python3 docs/tutorials/python_registration.py FOLDER`: FOLDER receives the pictures. Lengths are mm.
 
 # %%
 import gzip
