@@ -165,13 +165,14 @@ TEST_F(BreastCompression, TellsWhereTheUnitStands)
   const std::optional<VolumeFromGantry> placed = FindPlacement(this->Filter->GetOutput());
   ASSERT_TRUE(placed);
   const TetrahedralMesh mesh = FromGrid(this->Grid);
-  const Vector3 anchor =
-    FindPoseFrame(mesh, { false, false, true }, AnatomicalAxes::FromCode("LAS")).Anchor;
-  EXPECT_DOUBLE_EQ(placed->Origin[0], anchor[0] + 3);
-  EXPECT_DOUBLE_EQ(placed->Origin[1], anchor[1] + 4);
+  const PoseFrame frame =
+    FindPoseFrame(mesh, { false, false, true }, AnatomicalAxes::FromCode("LAS"));
+  const auto& [left, anterior, superior] = frame.Axes;
   // Half of the thickness found for the force, and 2 mm of support, below the anchor.
-  EXPECT_DOUBLE_EQ(placed->Origin[2], anchor[2] - 0.5 * this->FieldValue("ThicknessMm") - 2);
-  EXPECT_EQ(placed->Z, (Vector3{ 0, 0, 1 }));
+  const Vector3 origin = frame.Anchor + 3.0 * left + 4.0 * anterior -
+    (0.5 * this->FieldValue("ThicknessMm") + 2) * superior;
+  EXPECT_NEAR(Norm(placed->Origin - origin), 0, 1e-12);
+  EXPECT_NEAR(Norm(placed->Z - superior), 0, 1e-12);
 }
 
 TEST_F(BreastCompression, TellsThePressureOfThePlates)

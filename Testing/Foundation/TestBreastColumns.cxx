@@ -85,7 +85,7 @@ TEST(BreastColumns, PosesStandSquareOnTheChestWall)
   }
   // A rotation by the shortest way: about an axis in the frontal plane.
   EXPECT_NEAR(Norm(left), 1, 1e-12);
-  EXPECT_NEAR(Norm(Cross(superior, left) - anterior), 0, 1e-12);
+  EXPECT_NEAR(Norm(Cross(left, superior) - anterior), 0, 1e-12);
   EXPECT_NEAR(left[2], -superior[0], 1e-12);
   // The anchor lies on the wall, to a voxel.
   const Vector3 onWall{ frame.Anchor[0], -30 + 0.3 * frame.Anchor[0] - 0.2 * frame.Anchor[2],

@@ -62,9 +62,9 @@ TEST(PoseParameters, BoundsFollowTheStart)
   };
   expect("thickness", 60, 30, 90);
   expect("roll", 45, 15, 75);
-  // Not behind the chest wall, unless the search starts there.
-  expect("anterior", 5, 0, 55);
-  expect("anterior", -3, -3, 47);
+  // Not behind the muscle, unless the search starts there.
+  expect("anterior", 5, -20, 55);
+  expect("anterior", -23, -23, 27);
   expect("stiffness", 1, 0.25, 4);
   expect("stiffness", 5, 0.25, 5);
 }
