@@ -334,8 +334,9 @@ TEST_F(BreastRegistration, FindsWhatTheMammogramWasMadeWith)
   const Watch watch(this->Filter);
   this->Filter->Update();
   ASSERT_TRUE(watch.Errors.empty()) << watch.Errors.front();
-  // The same model and another spectrum: what the picture's pixels tell of thickness and place.
-  EXPECT_NEAR(this->Field("Parameters", ThicknessParameter), 58, 1.0);
+  // The same model and another spectrum: what the picture's pixels tell of thickness, beside its
+  // prior around 60, and place.
+  EXPECT_NEAR(this->Field("Parameters", ThicknessParameter), 58, 1.5);
   EXPECT_NEAR(this->Field("Parameters", LateralParameter), 0, 0.3);
   EXPECT_GT(this->Field("Correlation"), 0.99);
   EXPECT_LT(this->Field("MeanOutlineDistanceMm"), 0.3);

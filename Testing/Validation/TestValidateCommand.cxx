@@ -167,7 +167,7 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
   WriteSeries(even, mri + "x/t1-fat-suppressed");
   fs::create_directories(mri + "z/subtraction");
   fs::create_directories(this->Folder.File("drawn"));
-  this->Folder.Write("drawn/y.json", HalfBallDrawn());
+  this->Folder.Write("drawn/uta11-y.json", HalfBallDrawn());
   const std::string out = this->Folder.File("patients");
   const std::string command =
     "patients --data " + data + " --truth " + this->Folder.File("drawn") + " -o " + out;
@@ -181,7 +181,7 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
     EXPECT_THAT(this->Output, testing::HasSubstr(row));
   }
   ASSERT_EQ(rows.size(), 3u);
-  EXPECT_THAT(rows[1], testing::MatchesRegex("x,[0-9.]+,,,,,,,,,,,,\"refused: .+\""));
+  EXPECT_THAT(rows[1], testing::MatchesRegex("uta11-x,[0-9.]+,,,,,,,,,,,,\"refused: .+\""));
   std::istringstream cells(rows[2]);
   std::vector<std::string> values;
   for (std::string cell; std::getline(cells, cell, ',');)
@@ -189,7 +189,7 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
     values.push_back(cell);
   }
   ASSERT_GE(values.size(), 13u);
-  EXPECT_EQ(values[0], "y");
+  EXPECT_EQ(values[0], "uta11-y");
   // The cap of the ball above the slab and 10 mm of slab below it, cut 60 mm from the middle.
   EXPECT_NEAR(std::stod(values[2]), 276, 30);
   EXPECT_NEAR(std::stod(values[3]), 100 * 7.2 / 276, 0.8);
@@ -204,11 +204,11 @@ TEST_F(ValidateCommand, ComparesPatientsWithWhatWasDrawn)
     EXPECT_LE(std::stod(values[static_cast<std::size_t>(part)]), 1);
   }
   EXPECT_THAT(ReadFile(out + "/patients.png"), testing::StartsWith("\x89PNG"));
-  EXPECT_TRUE(fs::exists(out + "/y.nrrd"));
-  EXPECT_FALSE(fs::exists(out + "/x.nrrd"));
+  EXPECT_TRUE(fs::exists(out + "/uta11-y.nrrd"));
+  EXPECT_FALSE(fs::exists(out + "/uta11-x.nrrd"));
 
   this->ExpectRefused(command, "expected a new or an empty folder");
-  this->Folder.Write("drawn/y.json", "{}");
+  this->Folder.Write("drawn/uta11-y.json", "{}");
   const std::string other = this->Folder.File("other");
   this->ExpectRefused("patients --data " + data + " --truth " + this->Folder.File("drawn") +
       " -o " + other,

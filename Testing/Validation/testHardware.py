@@ -116,7 +116,7 @@ class ProjectionTables(unittest.TestCase):
         text = tables.markdown(tables.case_table(BENCHMARK))
         self.assertIn("| veins | rasterisation | 215728 | 1681x2071 | the device is lost |", text)
         self.assertIn("| test | ray-tracing | 15626 | 150x200 | 0.5 | - | - | - | 120 |", text)  # "-": not measured
-        self.assertIn("<td colspan='12'>the device is lost</td>", tables.page_table(tables.case_table(BENCHMARK)).replace('"', "'"))
+        self.assertIn("<td colspan='13'>the device is lost</td>", tables.page_table(tables.case_table(BENCHMARK)).replace('"', "'"))
 
     def test_rates_are_frames_per_second(self):
         rows = tables.rate_table(BENCHMARK)[2]
