@@ -194,8 +194,9 @@ TEST_F(RegisteredPhantom, IsGoneOnFrom)
   const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));
   EXPECT_EQ(resumed.at("iterations").at(0).at("parameters"),
     this->Said.at("iterations").back().at("parameters"));
+  // What outline and picture count is estimated anew.
   EXPECT_LE(resumed.at("iterations").back().at("cost").get<double>(),
-    1.001 * this->Said.at("iterations").back().at("cost").get<double>());
+    1.02 * this->Said.at("iterations").back().at("cost").get<double>());
 }
 
 TEST_F(RegisteredPhantom, IsNotGoneOnFromWithAnotherTable)
