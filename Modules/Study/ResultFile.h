@@ -76,8 +76,8 @@ struct ResultInput
 };
 
 /**
- * The result of one registered mammogram as in result.json (docs/reference/result-file.md). Points and
- * directions are in the frame of the label volume unless the gantry frame is stated; mm and
+ * The result of one registered mammogram as in result.json (docs/reference/result-file.md). Points
+ * and directions are in the frame of the label volume unless the gantry frame is stated; mm and
  * degrees.
  */
 struct ResultFile : ViewFigures

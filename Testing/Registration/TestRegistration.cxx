@@ -511,7 +511,8 @@ TEST_F(Registration, DeviationsCountEdgesRounderThanAUnits)
   const ViewResult asTheUnit = FindFirst(problem);
   problem.Views[0].Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
   const ViewResult rounder = FindFirst(problem);
-  // The paddle tilts to press out what is too thick behind round edges, as far as its prior lets it.
+  // The paddle tilts to press out what is too thick behind round edges, as far as its prior lets
+  // it.
   const double moved = rounder.Values[TiltParameter] - asTheUnit.Values[TiltParameter];
   EXPECT_GT(moved, 0.05);
   const auto variance = [](const ViewResult& result)

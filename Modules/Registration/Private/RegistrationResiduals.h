@@ -27,8 +27,8 @@ struct RegistrationCosts
 /**
  * How many times a prior's residual counts in a search. Residuals beside each other are alike,
  * because tissue in the model lies beside the true by a smooth displacement: taken as independent,
- * they make parameters four times too sure (Validation/reports/accuracy.md, "How sure"). Priors that count once
- * do not hold against so many, and roll, pitch and tilt take up the model's error.
+ * they make parameters four times too sure (Validation/reports/accuracy.md, "How sure"). Priors
+ * that count once do not hold against so many, and roll, pitch and tilt take up the model's error.
  */
 inline constexpr double PriorWeight = 4;
 

@@ -90,7 +90,8 @@ void AddDistances(const XRaySource& source, const XRayDetector& detector,
       continue;
     }
     const auto column = static_cast<double>(pixel % static_cast<std::size_t>(image.Columns));
-    const auto row = static_cast<double>(pixel / static_cast<std::size_t>(image.Columns));
+    const std::size_t rowsBefore = pixel / static_cast<std::size_t>(image.Columns);
+    const auto row = static_cast<double>(rowsBefore);
     const Vector3 way =
       detector.Origin + column * detector.ColumnStep + row * detector.RowStep - source.Position;
     const Vector3 change = (loss / Dot(way, way)) * way;
