@@ -199,9 +199,10 @@ std::array<double, 2> BreastColumns::WallSlopes() const
   {
     if (this->Breast[column] && std::isfinite(this->FixedFront[column]))
     {
-      walls.push_back(
-        { this->WidthMm * static_cast<double>(column % this->CountAcross), this->FixedFront[column],
-          this->WidthMm * static_cast<double>(column / this->CountAcross) });
+      const std::size_t across = column % this->CountAcross;
+      const std::size_t along = column / this->CountAcross;
+      walls.push_back({ this->WidthMm * static_cast<double>(across), this->FixedFront[column],
+        this->WidthMm * static_cast<double>(along) });
       middle = middle + walls.back();
     }
   }
