@@ -136,6 +136,20 @@ inline SurfaceMesh NestedBodies()
   AddBox(mesh, { 60, -10, -10 }, { 70, 10, 10 }, 6);
   return mesh;
 }
+
+/// NestedBodies with material numbers 30, 60, ... 180: path lengths of 181 materials.
+inline SurfaceMesh NestedBodiesOfManyMaterials()
+{
+  SurfaceMesh mesh = NestedBodies();
+  for (std::vector<std::uint16_t>* materials : { &mesh.FrontMaterials, &mesh.BackMaterials })
+  {
+    for (std::uint16_t& material : *materials)
+    {
+      material = static_cast<std::uint16_t>(30 * material);
+    }
+  }
+  return mesh;
+}
 }
 
 #endif

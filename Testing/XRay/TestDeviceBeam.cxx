@@ -184,14 +184,7 @@ TEST_P(DeviceBeamTest, TakesImagesLargerThanABuffer)
 {
   // 200,000 pixels of 181 materials are 145 MB; lavapipe's buffers hold 134 MB. Devices with larger
   // ones do it at once.
-  SurfaceMesh mesh = NestedBodies();
-  for (std::vector<std::uint16_t>* materials : { &mesh.FrontMaterials, &mesh.BackMaterials })
-  {
-    for (std::uint16_t& material : *materials)
-    {
-      material = static_cast<std::uint16_t>(30 * material);
-    }
-  }
+  const SurfaceMesh mesh = NestedBodiesOfManyMaterials();
   this->Projector->SetSurface(mesh);
   const XRayDetector whole =
     CentredDetector({ 10, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 150, 110, 500, 400);

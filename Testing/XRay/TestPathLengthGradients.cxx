@@ -273,14 +273,7 @@ TEST(PathLengthGradients, ImagesLargerThanABufferAreDoneInStrips)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  SurfaceMesh mesh = NestedBodies();
-  for (std::vector<std::uint16_t>* materials : { &mesh.FrontMaterials, &mesh.BackMaterials })
-  {
-    for (std::uint16_t& material : *materials)
-    {
-      material = static_cast<std::uint16_t>(30 * material);
-    }
-  }
+  const SurfaceMesh mesh = NestedBodiesOfManyMaterials();
   const auto projector =
     MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation, .Validation = true });
   projector->SetSurface(mesh);
