@@ -235,14 +235,7 @@ private:
     {
       BreastPose closer = pose;
       closer.ThicknessMm *= ClosingFactor;
-      try
-      {
-        CompressionState next =
-          this->Model.Body().Compress(this->Placement, closer, &state, progress);
-        state = std::move(next);
-        pose = closer;
-      }
-      catch (const ConvergenceError&)
+      if (!this->TryPose(closer, &state, pose, state, progress))
       {
         return;
       }
@@ -260,23 +253,24 @@ private:
     {
       BreastPose deeper = pose;
       deeper.AnteriorMm = std::max(DeepestAnteriorMm, pose.AnteriorMm + behind - 0.5);
-      if (!this->TryDeeper(deeper, &state, pose, state, progress) &&
-        !this->TryDeeper(deeper, nullptr, pose, state, progress))
+      if (!this->TryPose(deeper, &state, pose, state, progress) &&
+        !this->TryPose(deeper, nullptr, pose, state, progress))
       {
         return;
       }
     }
   }
 
-  /// Compresses from a state, or a cold start without one; false if there is no equilibrium.
-  bool TryDeeper(const BreastPose& deeper, const CompressionState* from, BreastPose& pose,
+  /// Moves the plates to a pose, from a state or, without one, by a cold start. Returns false and
+  /// leaves `pose` and `state` if there is no equilibrium.
+  bool TryPose(const BreastPose& next, const CompressionState* from, BreastPose& pose,
     CompressionState& state, const ProgressCallback& progress)
   {
     try
     {
-      CompressionState next = this->Model.Body().Compress(this->Placement, deeper, from, progress);
-      state = std::move(next);
-      pose = deeper;
+      CompressionState found = this->Model.Body().Compress(this->Placement, next, from, progress);
+      state = std::move(found);
+      pose = next;
       return true;
     }
     catch (const ConvergenceError&)
