@@ -86,7 +86,8 @@ struct InputNote
 {
   /// The input, a path or a name.
   std::string File;
-  /// What was found, and what is taken. It holds nothing that somebody wrote, such as a name.
+  /// States what was found and what is assumed. It holds nothing that a person wrote, such as a
+  /// name.
   std::string Text;
   /// Further words, which follow the text and may hold names out of the file. Mostly empty.
   std::string Names;

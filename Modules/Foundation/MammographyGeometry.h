@@ -134,8 +134,8 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
   }
 };
 
-/// What a pose refers to, in the volume frame: the directions of the unpitched and unturned unit,
-/// and the point about which it turns.
+/// The frame of a pose, in volume coordinates: the axes of the unit before its rotations, and the
+/// point about which it rotates.
 struct PoseFrame
 {
   AnatomicalAxes Axes;

@@ -29,7 +29,7 @@ namespace mammoray
  * range, an unknown or repeated key, and a label or name used twice.
  */
 MAMMORAYIO_EXPORT MaterialTable ReadMaterialTable(const std::string& path);
-/// The same of a text; messages begin with the key.
+/// Parses such a table from a JSON text; messages begin with the key.
 MAMMORAYIO_EXPORT MaterialTable ParseMaterialTable(const std::string& text);
 }
 

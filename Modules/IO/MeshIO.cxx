@@ -449,7 +449,7 @@ PackedMesh PackSurface(vtkPolyData* decoded, const std::string& path)
   }
 }
 
-/// Of a gmsh file.
+/// Packs a gmsh file's cells as a volume mesh, or as a surface if there are no volumes.
 PackedMesh PackEither(vtkUnstructuredGrid* grid, const std::string& path)
 {
   bool holdsVolumes = false;
@@ -461,7 +461,7 @@ PackedMesh PackEither(vtkUnstructuredGrid* grid, const std::string& path)
                       : PackSurface(SurfaceOf(grid, path), path);
 }
 
-/// What a reader's process has sent of a surface's file, checked again.
+/// Reads a mesh file in a separate process and validates what that process sends.
 template <typename Pack>
 PackedMesh ReadPacked(const std::string& path, const Pack& pack)
 {

@@ -46,10 +46,10 @@ MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
 /// A mesh's file: what ReadMesh or ReadSurface makes of it.
 struct MeshOrSurface
 {
-  /// Null of a surface.
+  /// Null if the file holds a surface.
   vtkSmartPointer<vtkUnstructuredGrid> Volume;
   SurfaceMesh Surface;
-  /// Of the surface's materials.
+  /// Names of the surface's materials.
   std::vector<std::string> MaterialNames;
 };
 

@@ -22,7 +22,7 @@ struct SurfaceSample
   std::string Name;
   /// See ReadSurface; also a mesh of tetrahedra where Material is empty.
   std::string File;
-  /// What closed surfaces enclose: one of the material table, by name, or its composition,
+  /// The material inside closed surfaces: one of the material table, by name, or a composition,
   /// "Ti90Al6V4@4.43", with the density in g/cm3 where the composition does not imply it (see
   /// FindComposition). Empty: the labels of the surface are those of the table.
   std::string Material;
@@ -81,7 +81,7 @@ struct MAMMORAYIO_EXPORT SceneDescription
     .Detector = { .ColumnStep = { 1, 0, 0 }, .RowStep = { 0, 1, 0 }, .Columns = 720, .Rows = 1080 }
   };
 
-  /// Whether what no key gives is that of a modern mammography unit (CompleteUnit).
+  /// If true, missing keys take the values of a modern mammography unit (CompleteUnit).
   bool IsRealistic = false;
 
   /// Keys that were given, "detector.photons".

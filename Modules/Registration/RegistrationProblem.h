@@ -127,7 +127,7 @@ MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationTarget> MakeLevels(
 struct MAMMORAYREGISTRATION_EXPORT RegistrationProblem
 {
   std::shared_ptr<BreastModel> Model;
-  /// What poses refer to (FindPoseFrame).
+  /// The frame of all poses (FindPoseFrame).
   PoseFrame Frame;
   std::vector<View> Views;
   RegistrationOptions Options;

@@ -67,8 +67,8 @@ struct StudySeries
   double SliceSpacingMm = 0;
   /// Why the slices make no grid: "missing slices (2, ...)". Empty if they do.
   std::string WhyNoGrid;
-  /// Of doubled slices, the first files that lie at one place, as FindSliceOrder says it; for
-  /// refusals alone. Empty of others.
+  /// For refusals: the first two files at one place (FindSliceOrder) if slices are doubled; else
+  /// empty.
   std::string DoubledFiles;
   /// Why it cannot show the tissue: "subtraction (ImageType SUB)". Empty if it can.
   std::string LeftOut;

@@ -152,8 +152,8 @@ struct RegistrationCaseResult
   /// See RegistrationResult.
   std::vector<FreeParameter> FreeParameters;
   std::vector<double> Covariance;
-  /// What readers noted (InputNote) of the case's inputs, each once: ShownName and text, without
-  /// names out of the files.
+  /// Notes of the readers (InputNote) on the case's inputs, each once: ShownName and text, without
+  /// names from the files.
   std::vector<std::string> Notes;
   /// Name of the projecting device, and the method.
   std::string Device;

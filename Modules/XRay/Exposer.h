@@ -73,20 +73,21 @@ public:
   /// Derivatives of the loss with respect to what the scene consists of.
   struct Gradient
   {
-    /// 3 x pointCount, of the points of Load's surface, 1/mm.
+    /// With respect to the points of Load's surface, 3 x pointCount, 1/mm.
     std::vector<double> Points;
-    /// Of a relative change of a material's attenuation at all energies, or of its density. By
-    /// Scene::Materials; divide by mu for that of mu where there is one energy.
+    /// One value per entry of Scene::Materials: with respect to a relative change of its
+    /// attenuation at all energies, or of its density. At a single energy, divide by mu for
+    /// dLoss / dmu.
     std::vector<double> Attenuation;
-    /// By Scene::XRays.Weights; 0 for energies without photons.
+    /// One value per entry of Scene::XRays.Weights; 0 for energies without photons.
     std::vector<double> Spectrum;
-    /// Of the position of a point source, or the direction of a parallel beam.
+    /// With respect to the position of a point source, 1/mm, or the direction of a parallel beam.
     Vector3 Source{ 0, 0, 0 };
-    /// Of the detector's place and steps.
+    /// With respect to the detector's origin and steps, 1/mm.
     Vector3 Origin{ 0, 0, 0 };
     Vector3 ColumnStep{ 0, 0, 0 };
     Vector3 RowStep{ 0, 0, 0 };
-    /// Of TranslationMm (1/mm) and Rotation (1/rad) of each of Scene::Samples.
+    /// With respect to TranslationMm (1/mm) and Rotation (1/rad) of each of Scene::Samples.
     struct Motion
     {
       Vector3 Translation{ 0, 0, 0 };

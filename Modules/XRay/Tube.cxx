@@ -26,7 +26,7 @@ constexpr double LeastAngleDeg = 3;
 constexpr double MostAngleDeg = 60;
 constexpr double UsualAngleDeg = 12;
 
-/// Whether the spectrum is computed, not interpolated from measured ones.
+/// Returns true if the spectrum is computed instead of interpolated from measured ones.
 bool IsComputed(const XRayTube& tube)
 {
   return tube.Anode == "W" && (tube.TargetAngleDeg != 0 || tube.KilovoltagePeak > MostKilovolts);

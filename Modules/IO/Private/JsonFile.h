@@ -14,7 +14,7 @@ namespace mammoray
 /// The file's value. `what` it holds is for messages: "a material table". Throws InputError where
 /// it cannot be read, on anything but JSON, on repeated keys, and on nesting deeper than 16.
 nlohmann::json ParseJsonFile(const std::string& path, const std::string& what);
-/// The same of a text, which `where` names in messages.
+/// Parses a JSON text under the same rules; messages call it `where`.
 nlohmann::json ParseJson(std::istream& text, const std::string& where, const std::string& what);
 
 /// Throws InputError "PLACE: expected ..., found ..."; null: found nothing.

@@ -15,7 +15,7 @@
 
 namespace mammoray
 {
-/// Of a file that names no frame of the patient, for a note.
+/// Text of the note for a file that names no patient frame.
 inline constexpr const char* AxesNotSaid =
   "it does not say where the patient's left, back and head are; its axes are taken as LPS unless "
   "an orientation is set";

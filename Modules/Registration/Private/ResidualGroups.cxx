@@ -119,7 +119,7 @@ std::optional<ResidualGroups> CompareGroups(RegistrationEvaluator& evaluator)
   ResidualGroups groups = GroupsOf(evaluator);
   const Eigen::MatrixXd priorRows = PriorRows(evaluator);
   groups.Priors = priorRows.transpose() * priorRows;
-  // What is known beforehand, without the weight that the search gives it.
+  // Variances are estimated with the priors' own deviations, without the weight of the search.
   groups.Variances = EstimateVariances(groups.Groups, groups.Priors / (PriorWeight * PriorWeight));
   if (!groups.Variances.Determined)
   {

@@ -15,10 +15,10 @@ struct ExposureView
   XRaySource Source;
   /// Samples is 1.
   XRayDetector Detector;
-  /// Of the point from the middle of the spot, along the detector's columns and rows, mm.
+  /// Offset of the point from the middle of the spot along the detector's columns and rows, mm.
   double SpotColumnMm = 0;
   double SpotRowMm = 0;
-  /// Of the sample from the middle of the pixel, in pixels.
+  /// Offset of the sample from the middle of the pixel, in pixels.
   double SampleColumn = 0;
   double SampleRow = 0;
 };

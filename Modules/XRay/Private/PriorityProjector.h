@@ -52,7 +52,7 @@ private:
     std::vector<double> Lengths;
     /// [field * materials + material].
     std::vector<double> Rates;
-    /// What hits add to the gradient with respect to points.
+    /// Contributions of the hits to the gradient with respect to points.
     std::vector<std::pair<std::uint32_t, Vector3>> Gradient;
   };
   struct Work

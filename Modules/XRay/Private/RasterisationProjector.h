@@ -27,7 +27,7 @@ public:
   }
 
 private:
-  /// What the shaders sum.
+  /// The quantity that the shaders sum.
   enum class Pass
   {
     Lengths,
@@ -95,7 +95,7 @@ private:
     return this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
   }
 
-  /// Of the last image, where its sums are still there: of one band, without rates.
+  /// The last image, if its sums are still on the device: one band, without rates.
   struct Filled
   {
     XRaySource Source;
