@@ -227,7 +227,7 @@ def draw_mammograms(tools):
         axis.set_title(title, fontsize=10)
         axis.axis("off")
     figure.tight_layout()
-    figure.savefig(here / "mammograms.png", dpi=100)
+    figure.savefig(here / "mammograms.png", dpi=100, bbox_inches="tight", pad_inches=0.1)
     plt.close(figure)
 
 
