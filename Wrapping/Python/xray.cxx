@@ -403,8 +403,17 @@ py::dict Backward(const ExposedScene& exposed, const std::optional<Array<float>>
       -1.0 * sample.Rotation));
     begin += count;
   }
+  std::vector<Vector3> translations;
+  std::vector<Vector3> rotations;
+  for (const Exposer::Gradient::Motion& motion : gradient.Samples)
+  {
+    translations.push_back(motion.Translation);
+    rotations.push_back(motion.Rotation);
+  }
   py::dict result;
   result["points"] = points;
+  result["translation"] = translations;
+  result["rotation"] = rotations;
   result["attenuation"] = gradient.Attenuation;
   result["photons"] = gradient.Spectrum;
   result["source"] = gradient.Source;

@@ -684,16 +684,17 @@ class Exposure:
     def backward(self, transmission: Optional[ArrayLike] = None, path_lengths: Optional[ArrayLike] = None) -> Gradient:
         """The gradient of a number, the loss, in reverse mode: given its derivatives with respect to `transmission` (rows x columns),
         `path_lengths` (materials x rows x columns, 1/mm) or both, those with respect to what the picture was made of, for the price of
-        about two pictures, however many points there are. For log_attenuation pass `-d / transmission`. Without noise, scatter and
-        refraction; the open field is taken for constant."""
+        about two pictures, however many points there are. For log_attenuation pass `-d / transmission`. Goes through focal spots,
+        averaged samples and blur. Without noise, scatter and refraction; the open field is taken for constant."""
         if transmission is None and path_lengths is None:
             raise InputError("backward: expected transmission or path_lengths, found neither")
         shape = self.path_lengths.shape
         given = [None if values is None else array_of(values, name, wanted)
                  for values, name, wanted in ((transmission, "transmission", shape[1:]), (path_lengths, "path_lengths", shape))]
         found = self._native.backward(*given)
-        vectors = {name: numpy.array(found[name]) for name in ("photons", "source", "origin", "column_step", "row_step")}
-        return Gradient(found["points"], dict(zip(self.materials, found["attenuation"])), **vectors)
+        vectors = {name: numpy.array(found[name]) for name in (
+            "translation", "rotation", "photons", "source", "origin", "column_step", "row_step")}
+        return Gradient(found["points"], attenuation=dict(zip(self.materials, found["attenuation"])), **vectors)
 
     def save(self, path: Union[str, os.PathLike[str]], what: str = "transmission") -> None:
         """Writes a picture by its extension: .png (16 bits, 0 to 1), .tif .mha .nrrd (floats), .vti (all). what: "transmission",
@@ -734,13 +735,17 @@ class Derivatives:
 class Gradient:
     """Derivatives of a loss.
 
-    points: of each sample, n x 3, with respect to the points of its mesh, 1/mm; the sum over them is that of its translation
+    points: of each sample, n x 3, with respect to the points of its mesh, 1/mm
+    translation: samples x 3, with respect to Sample.translation, 1/mm
+    rotation: samples x 3, with respect to the vector along Sample.axis whose length is Sample.angle, 1/rad
     attenuation: by material, of a relative change of its attenuation at all energies, or of its density
     photons: with respect to the numbers of photons by energy (Beam.weights)
     source: with respect to the place of the source, or the direction of parallel rays
     origin, column_step, row_step: with respect to the detector's place and the steps between its pixels
     """
     points: list[NDArray[numpy.float64]]
+    translation: NDArray[numpy.float64]
+    rotation: NDArray[numpy.float64]
     attenuation: dict[str, float]
     photons: NDArray[numpy.float64]
     source: NDArray[numpy.float64]
