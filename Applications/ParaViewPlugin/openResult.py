@@ -13,7 +13,7 @@ import sys
 from paraview import simple
 
 RAYS = 12
-FORMAT_VERSION = 5  # docs/reference/result-file.md
+FORMAT_VERSION = 5  # Data/result.schema.json
 
 
 def subtract(a, b):

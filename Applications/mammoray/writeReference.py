@@ -3,7 +3,7 @@
 """What is written of the options, out of their declarations (mammoray --print-schema).
 
 usage: writeReference.py MAMMORAY FOLDER          FOLDER/man1, manual pages of the program and each command; FOLDER/completion, for bash
-       writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/reference/commands
+       writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/reference/commands (the keys of results by Data/result.schema.json)
 """
 import gzip
 import json
@@ -156,6 +156,30 @@ def scene_rows(definition, prefix=""):
     return rows
 
 
+def kind_of(entry):
+    """The type of a JSON schema's entry in words."""
+    if "const" in entry or "enum" in entry:
+        return ", ".join(map(str, entry.get("enum") or [entry["const"]]))
+    types = entry["type"] if isinstance(entry["type"], list) else [entry["type"]]
+    words = {"string": "text", "array": "list", "boolean": "true or false"}
+    kind = " or ".join(words.get(one, one) for one in types)
+    return f"{entry['minItems']} numbers" if "minItems" in entry else kind
+
+
+def result_rows(definition, prefix=""):
+    """A row for each field of result files."""
+    rows = []
+    for name, entry in definition["properties"].items():
+        meaning = ", ".join(filter(None, [entry.get("description", ""), entry.get("frame", "") and entry["frame"] + " frame"]))
+        rows.append(f"| `{prefix}{name}` | {cell(kind_of(entry))} | {cell(meaning)} |\n")
+        inner, mark = (entry["items"], "[].") if "properties" in entry.get("items", {}) else (entry, ".")
+        if "properties" in inner:
+            rows += result_rows(inner, f"{prefix}{name}{mark}")
+        if isinstance(entry.get("additionalProperties"), dict):
+            rows.append(f"| `{prefix}{name}.NAME` | {kind_of(entry['additionalProperties'])} | |\n")
+    return rows
+
+
 def command_tables(schema, name):
     """The page of a command: its options by heading, daily ones first."""
     definition = schema["$defs"][name]
@@ -175,8 +199,8 @@ def command_tables(schema, name):
     return page
 
 
-def reference_pages(schema):
-    """Text by name of the pages of the documentation."""
+def reference_pages(schema, results):
+    """Text by name of the pages of the documentation, from the schemas of case files and of result files."""
     commands = commands_of(schema)
     pages = {f"{name}.md": command_tables(schema, name) for name, _ in commands}
     pages["index.md"] = (
@@ -185,12 +209,15 @@ def reference_pages(schema):
         "| command | does |\n|---|---|\n"
         + "".join(f"| [{name}]({name}.md) | {cell(purpose(definition))} |\n" for name, definition in commands)
         + "\nKeys of scene files: [scene keys](scene-keys.md).\n\n```{toctree}\n:hidden:\n\n"
-        + "".join(f"{name}\n" for name, _ in commands) + "scene-keys\n```\n")
+        + "".join(f"{name}\n" for name, _ in commands) + "scene-keys\nresult-keys\n```\n")
     pages["scene-keys.md"] = (
         "# Scene keys\n\nKeys of [scene files](../scene-files.md) and of `--set KEY=VALUE`. Limits of lengths are mm.\n\n"
         "| key | value | default | meaning | option of project |\n|---|---|---|---|---|\n"
         + "".join(scene_rows(schema["$defs"].get("scene", {"properties": {}}))))
-    return {name: "<!-- Made by Applications/mammoray/writeReference.py from the declared options. -->\n\n" + text for name, text in pages.items()}
+    pages["result-keys.md"] = "# Result keys\n\nFields of [result files](../result-file.md). Lengths are mm, angles degrees.\n" + "".join(
+        f"\n## {heading}\n\n| field | type | meaning |\n|---|---|---|\n" + "".join(result_rows(results["$defs"].get(name, {"properties": {}})))
+        for heading, name in (("One mammogram", "mammogram"), ("Several mammograms", "joint")))
+    return {name: "<!-- Made by Applications/mammoray/writeReference.py from the schemas in Data. -->\n\n" + text for name, text in pages.items()}
 
 
 def main():
@@ -206,7 +233,7 @@ def main():
         (root / "Data/case.schema.json").write_text(text)
         folder = root / "docs/reference/commands"
         folder.mkdir(parents=True, exist_ok=True)
-        pages = reference_pages(schema)
+        pages = reference_pages(schema, json.loads((root / "Data/result.schema.json").read_text()))
         for path in folder.glob("*.md"):
             if path.name not in pages:
                 path.unlink()

@@ -76,7 +76,7 @@ struct ResultInput
 };
 
 /**
- * The result of one registered mammogram as in result.json (docs/reference/result-file.md). Points
+ * The result of one registered mammogram as in result.json (Data/result.schema.json). Points
  * and directions are in the frame of the label volume unless the gantry frame is stated; mm and
  * degrees.
  */

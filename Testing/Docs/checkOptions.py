@@ -31,7 +31,8 @@ def main():
     text = printed("--print-schema")
     schema = json.loads(text)
     definitions = schema["$defs"]
-    pages = {f"docs/reference/commands/{name}": page for name, page in writeReference.reference_pages(schema).items()}
+    results = json.loads((root / "Data/result.schema.json").read_text())
+    pages = {f"docs/reference/commands/{name}": page for name, page in writeReference.reference_pages(schema, results).items()}
     for name, made in {"Data/case.schema.json": text, **pages}.items():
         if not (root / name).exists() or (root / name).read_text() != made:
             wrong.append(f"{name}: not what the program declares; writeReference.py MAMMORAY --update . writes it")

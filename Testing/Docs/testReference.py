@@ -57,8 +57,16 @@ with tempfile.TemporaryDirectory() as folder:
     assert complete("press --fr") == ""  # of the case file
     assert complete("press --mesh pr") == ""  # files are left to the shell
 
-pages = writeReference.reference_pages(SCHEMA)
-assert sorted(pages) == ["index.md", "lift.md", "press.md", "scene-keys.md"], sorted(pages)
+RESULTS = {"$defs": {"mammogram": {"properties": {
+    "level": {"enum": ["good", "none"]}, "seconds": {"type": ["number", "null"], "description": "wall time"},
+    "grid": {"type": "object", "properties": {"originMm": {"type": "array", "minItems": 2, "frame": "gantry"}}},
+    "views": {"type": "array", "items": {"properties": {"name": {"type": "string"}}}},
+    "versions": {"type": "object", "additionalProperties": {"type": "string"}}}}}}
+pages = writeReference.reference_pages(SCHEMA, RESULTS)
+assert sorted(pages) == ["index.md", "lift.md", "press.md", "result-keys.md", "scene-keys.md"], sorted(pages)
+for part in ("## One mammogram\n\n| field | type | meaning |\n|---|---|---|\n| `level` | good, none |  |\n| `seconds` | number or null | wall time |\n",
+             "| `grid` | object |  |\n| `grid.originMm` | 2 numbers | gantry frame |\n", "| `views[].name` | text |  |\n", "| `versions.NAME` | text | |\n"):
+    expect(part, pages["result-keys.md"])
 for part in ("# mammoray press\n", "mammoray press --mesh a.vtu", "\n## Of every command\n", "| `--overwrite` |  |  | replace |\n",
              "| `--thickness` | mm, greater than 0 | 50 | distance of the plates |\n", "| `--mesh` | PATH |  | to press (required) |\n",
              "\n## Patient, shown by --help-all\n", "| `-s, --side` | left, right |  | the patient's own |\n",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of result.json. ListFields names those of a structure once, for FieldWriter and for
-// FieldReader. A new field is one line in its list, one in docs/reference/result-file.md, and a
+// FieldReader. A new field is one line in its list, one in Data/result.schema.json, and a
 // higher ResultFormatVersion.
 #ifndef mammoray_ResultFields_h
 #define mammoray_ResultFields_h
