@@ -4,10 +4,14 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Meshing/LabelMesher.h"
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
 namespace mammoray
 {
@@ -221,6 +225,65 @@ void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held)
   }
 }
 
+LabelVolume FlattenChest(const LabelVolume& materials, const std::vector<bool>& held)
+{
+  constexpr double ColumnMm = 3;
+  constexpr double KeptBehindMm = 20;
+  std::map<std::pair<int, int>, Vector3> fronts;
+  materials.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t index)
+    {
+      if (held[materials.Voxels[index]])
+      {
+        const Vector3 at = materials.PointAt(i, j, k);
+        Vector3& front = fronts
+                           .try_emplace({ static_cast<int>(std::floor(at[0] / ColumnMm)),
+                                          static_cast<int>(std::floor(at[2] / ColumnMm)) },
+                             at)
+                           .first->second;
+        front = at[1] < front[1] ? at : front;
+      }
+    });
+  const auto shape = [](const Vector3& at)
+  {
+    return Eigen::Vector<double, 6>{ 1, at[0], at[2], at[0] * at[0], at[0] * at[2], at[2] * at[2] };
+  };
+  Eigen::MatrixX<double> places(fronts.size(), 6);
+  Eigen::VectorX<double> depths(fronts.size());
+  Eigen::Index row = 0;
+  for (const auto& [column, front] : fronts)
+  {
+    places.row(row) = shape(front).transpose();
+    depths[row++] = front[1];
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixX<double>> decomposed(places);
+  if (decomposed.rank() < 6)
+  {
+    return materials;
+  }
+  const Eigen::Vector<double, 6> fitted = decomposed.solve(depths);
+  const double plane = depths.mean();
+  LabelVolume flat = materials;
+  const std::size_t depth = materials.AxisAlong({ 0, 1, 0 });
+  const double room =
+    (places * fitted - depths.Constant(depths.size(), plane)).cwiseAbs().maxCoeff();
+  const int more = static_cast<int>(std::ceil(room / materials.Spacing[depth]));
+  flat.Size[depth] += 2 * more;
+  flat.Origin = materials.Origin - more * materials.Spacing[depth] * materials.Direction[depth];
+  flat.Voxels.assign(static_cast<std::size_t>(flat.Size[0]) * flat.Size[1] * flat.Size[2], 0);
+  flat.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t index)
+    {
+      Vector3 at = flat.PointAt(i, j, k);
+      if (at[1] < plane + KeptBehindMm)
+      {
+        at[1] += shape(at).dot(fitted) - plane;
+        flat.Voxels[index] = materials.LabelAt(at);
+      }
+    });
+  return flat;
+}
+
 LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& table,
   const ChestCurve& curve, double wallMm, double reachMm)
 {
@@ -244,12 +307,20 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
   const int behind = std::max(0, static_cast<int>(std::ceil((curve.At(edge) - last) / step)));
   const LabelVolume wide = Widened(placed, sides, behind);
   std::vector<char> full(static_cast<std::size_t>(wide.Size[0]) * wide.Size[2], 0);
+  // How far the wall of each column comes in front of the curve's, mm.
+  std::vector<double> bumps(full.size(), 0);
   wide.ForEachVoxel(
-    [&](int i, int, int k, std::size_t index)
+    [&](int i, int j, int k, std::size_t index)
     {
       const Tissue tissue = tissues[wide.Voxels[index]];
-      full[static_cast<std::size_t>(k) * wide.Size[0] + i] |=
-        tissue != Tissue::Air && tissue != Tissue::Muscle ? 1 : 0;
+      const std::size_t column = static_cast<std::size_t>(k) * wide.Size[0] + i;
+      full[column] |= tissue != Tissue::Air && tissue != Tissue::Muscle ? 1 : 0;
+      if (tissue == Tissue::Muscle)
+      {
+        const Vector3 at = wide.PointAt(i, j, k);
+        const double bump = curve.At(at[0]) - wallMm - (at[1] - 0.5 * step);
+        bumps[column] = bumps[column] == 0 ? bump : std::max(bumps[column], bump);
+      }
     });
   const std::vector<int> nearest = NearestFullColumn(full, wide.Size[0]);
   LabelVolume surrounded = wide;
@@ -259,24 +330,25 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
       constexpr double FatMm = 8;
       const Vector3 at = wide.PointAt(i, j, k);
       const double ahead = curve.At(at[0]) - at[1];
-      const double beforeWall = ahead - wallMm;
       const int from = nearest[static_cast<std::size_t>(k) * wide.Size[0] + i];
       std::uint16_t& material = surrounded.Voxels[index];
       if (ahead < 0 || from < 0)
       {
         return;
       }
+      const int fromI = from % wide.Size[0];
+      const int fromK = from / wide.Size[0];
+      const double away = std::min(1.0, std::hypot(i - fromI, k - fromK) * step / reachMm);
+      const double height = 1 - away * away * (3 - 2 * away);
+      const double bump = bumps[static_cast<std::size_t>(from)];
+      const double beforeWall = ahead - wallMm - height * bump;
       if (material == 0 && beforeWall > 0)
       {
-        const int fromI = from % wide.Size[0];
-        const int fromK = from / wide.Size[0];
-        const double away = std::min(1.0, std::hypot(i - fromI, k - fromK) * step / reachMm);
-        const double height = 1 - away * away * (3 - 2 * away);
         const Vector3 edgeOf = wide.PointAt(fromI, 0, fromK);
         const Tissue beside = height < 0.02
           ? Tissue::Air
           : tissues[wide.LabelAt(
-              { edgeOf[0], curve.At(edgeOf[0]) - wallMm - beforeWall / height, edgeOf[2] })];
+              { edgeOf[0], curve.At(edgeOf[0]) - wallMm - bump - beforeWall / height, edgeOf[2] })];
         const bool goesOn =
           away > 0 && beside != Tissue::Air && beside != Tissue::Skin && beside != Tissue::Muscle;
         material = goesOn || beforeWall <= FatMm ? fat : material;

@@ -59,11 +59,19 @@ LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& tabl
 void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held);
 
 /**
+ * Takes the chest's own shape out of a patient's breast, which PlaceOnChest bends: tissue is moved
+ * along the body's depth until the surface of second order through the front of the held tissue is
+ * a coronal plane. What lies more than 20 mm behind that plane becomes air. `materials`: indices, 0
+ * = air, DICOM LPS. Returns the same volume if too little is held to say.
+ */
+LabelVolume FlattenChest(const LabelVolume& materials, const std::vector<bool>& held);
+
+/**
  * Continues a breast that was cut out of a body: for `reachMm` to the sides, head and feet there is
- * a chest wall as thick as the phantom's (`wallMm`), and tissue falls off from the phantom's edge
- * to 8 mm of subcutaneous fat without skin (AddSkin adds it). Skin of the phantom that becomes
- * covered turns into fat. `placed`: see PlaceOnChest. Returns the same volume if the table has no
- * fat or nothing held.
+ * a chest wall, which falls from the phantom's front of it to a thickness of `wallMm`, and tissue
+ * falls off from the phantom's edge to 8 mm of subcutaneous fat without skin (AddSkin adds it).
+ * Skin of the phantom that becomes covered turns into fat. `placed`: see PlaceOnChest. Returns the
+ * same volume if the table has no fat or nothing held.
  */
 LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& table,
   const ChestCurve& curve, double wallMm, double reachMm);

@@ -95,7 +95,7 @@ LabelVolume BreastOfMri(const PlannedStudy& study, const MaterialTable& table,
   choice.Laterality = study.Options.Laterality;
   LabelVolume breast = SegmentStudy(choice, table, progress).Breast;
   HoldCutTissue(breast, table.Fixed());
-  return FreeOfCoil(std::move(breast), table.Fixed());
+  return FlattenChest(FreeOfCoil(std::move(breast), table.Fixed()), table.Fixed());
 }
 
 nlohmann::json ErrorsJson(const PointErrors& errors)

@@ -144,6 +144,20 @@ TEST(PatientTissue, TheChestGoesOnAroundWhatWasCutOut)
   EXPECT_NEAR(fatAt(85, -15 - reach / 2), 12, 2);
   EXPECT_NEAR(fatAt(85 + 15 + reach / 2, 0), 12, 2);
   EXPECT_NEAR(fatAt(85, 15 + reach - 2), 8, 1.5);
+  // So does a wall that comes 6 mm further forwards than the one around.
+  const LabelVolume stepped = SurroundByChest(placed, table, curve, 4, reach);
+  const auto wallAt = [&](double z)
+  {
+    double wall = 0;
+    for (double ahead = 0.25; ahead < 60; ahead += 0.5)
+    {
+      wall += stepped.LabelAt({ 85, curve.At(85) - ahead, z }) == 3 ? 0.5 : 0;
+    }
+    return wall;
+  };
+  EXPECT_NEAR(wallAt(16.5), 10, 1);
+  EXPECT_NEAR(wallAt(15 + reach / 2), 7, 1);
+  EXPECT_NEAR(wallAt(15 + reach - 2), 4, 1);
   for (const double z : { -40.0, 40.0 })
   {
     EXPECT_EQ(chest.LabelAt({ 85, curve.At(85) - 5, z }), 3) << "the wall goes on";
@@ -245,6 +259,39 @@ TEST(SimulatedMri, ASegmentationFindsThatItsFatIsBright)
   SegmentationOptions options;
   options.SpacingMm = 2;
   EXPECT_EQ(SegmentBreast(plain, options).Contrast, FatContrast::FatBright);
+}
+
+TEST(FlattenChest, TakesOutASurfaceOfSecondOrder)
+{
+  // 20 mm of fat in front of a wall that slopes to the side and to the head and is round.
+  const auto front = [](double x, double z)
+  { return 3 + 0.3 * x - 0.2 * z + 0.006 * x * x + 0.004 * x * z; };
+  const LabelVolume curved = test::LabelledCube(60, 1,
+    [&](const Vector3& p)
+    {
+      const double behind = p[1] - front(p[0], p[2]);
+      return std::hypot(p[0], p[2]) > 20 || behind < -20 ? 0 : behind < 0 ? 1 : 3;
+    });
+  const std::vector<bool> held{ false, false, false, true };
+  const LabelVolume flat = FlattenChest(curved, held);
+  Extent fronts;
+  Extent backs;
+  flat.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t index)
+    {
+      const Vector3 at = flat.PointAt(i, j, k);
+      if (std::hypot(at[0], at[2]) < 18 &&
+        flat.Voxels[index] != flat.LabelAt(at - Vector3{ 0, 1, 0 }))
+      {
+        (flat.Voxels[index] == 3 ? backs : fronts).Add(at[1]);
+      }
+    });
+  // Within a voxel.
+  EXPECT_LE(backs.Length(), 1.01);
+  EXPECT_NEAR(backs.Low - fronts.Low, 20, 1.01);
+  EXPECT_NEAR(VolumeOf(flat, 1) / VolumeOf(curved, 1), 1, 0.02);
+  // Without a wall there is nothing to flatten.
+  EXPECT_EQ(FlattenChest(curved, std::vector<bool>(4, false)).Voxels, curved.Voxels);
 }
 
 TEST(HoldCutTissue, PutsTheHeldTissueBehindWhatWasCut)
