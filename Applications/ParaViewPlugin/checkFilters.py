@@ -14,8 +14,8 @@ import writeFilters  # noqa: E402  of that folder
 MODULES = HERE.parent.parent / "Modules"
 HEADERS = MODULES / "Filters"
 # Offered in other ways: inputs; what Spectrum, MaterialTable and the tables they name say in ParaView.
-ELSEWHERE = {"SetMammogramConnection", "SetSimulationMeshConnection", "SetMonochromatic", "SetAttenuationTable",
-             "SetLinearAttenuation", "SetMaterial"}
+ELSEWHERE = {"SetMammogramConnection", "SetSimulationMeshConnection", "SetMaterial"}
+SCENE_KEYS = set(re.findall(r"(?m)^\| `([^`]+)`", (MODULES.parent / "docs/reference/commands/scene-keys.md").read_text(encoding="utf-8")))
 
 
 def setters(header):
@@ -38,8 +38,10 @@ def troubles(proxy, known, offered):
             continue
         where = f"{name}.{entry.get('name')}"
         command = entry.get("command")
-        count = int(entry.get("number_of_elements", "1"))
+        count = int(entry.get("number_of_elements", "1")) + ("initial_string" in entry.attrib)
         offered.add(command)
+        if entry.get("initial_string", "mesh") not in SCENE_KEYS:
+            yield f"{where}: no key {entry.get('initial_string')} of scene files"
         if command in known and known[command] != count:
             yield f"{where}: {command} takes {known[command]} values, found {count}"
         if command not in known:

@@ -2,18 +2,19 @@
 #include "mammoray/Filters/vtkXRayProjector.h"
 
 #include "Private/FilterRequest.h"
+#include "Private/InputSurface.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/SceneIO.h"
-#include "mammoray/IO/ShippedData.h"
+#ifdef MAMMORAY_HAS_MESHING
+#include "mammoray/Meshing/SurfaceMesher.h"
+#endif
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/Shadow.h"
 
-#include "vtkCellArray.h"
-#include "vtkCellData.h"
 #include "vtkDataObject.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -21,14 +22,9 @@
 #include "vtkMatrix3x3.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkPolyData.h"
-#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkUnstructuredGrid.h"
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,163 +37,15 @@ mammoray::Vector3 ToVector(const double (&values)[3])
 {
   return { values[0], values[1], values[2] };
 }
-
-/// Throws InputError unless both are of length 1 and at right angles.
-void CheckDirections(const Vector3& column, const Vector3& row)
-{
-  // 1e-6: directions computed in float.
-  if (!(std::abs(Norm(column) - 1) < 1e-6 && std::abs(Norm(row) - 1) < 1e-6 &&
-        std::abs(Dot(column, row)) < 1e-6))
-  {
-    throw InputError(
-      "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");
-  }
-}
-
-/// What the interfaces of a grid depend on besides its points.
-struct TopologyStamp
-{
-  explicit TopologyStamp(vtkUnstructuredGrid* grid = nullptr)
-  {
-    if (grid)
-    {
-      vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
-      this->Cells = grid->GetCells();
-      this->Materials = materials;
-      this->CellsTime = grid->GetCells() ? grid->GetCells()->GetMTime() : 0;
-      this->MaterialsTime = materials ? materials->GetMTime() : 0;
-      this->Points = grid->GetNumberOfPoints();
-    }
-  }
-  bool operator==(const TopologyStamp&) const = default;
-
-  const void* Cells = nullptr;
-  const void* Materials = nullptr;
-  vtkMTimeType CellsTime = 0;
-  vtkMTimeType MaterialsTime = 0;
-  vtkIdType Points = 0;
-};
 }
 
 struct vtkXRayProjector::Internals
 {
-  struct Attenuation
-  {
-    std::string Table; ///< Empty: MuPerMm at all energies.
-    double DensityGPerCm3 = 1.0;
-    double MuPerMm = 0.0;
-    bool operator==(const Attenuation&) const = default;
-  };
-
-  mammoray::Spectrum Photons = mammoray::Spectrum::Monochromatic(20);
-  /// By index of the material.
-  std::map<int, Attenuation> Attenuations;
-  std::shared_ptr<const ScatterKernels> Kernels;
+  std::map<std::string, std::string> Keys;
   std::unique_ptr<Exposer> Device;
   ProjectorOptions Options;
-  vtkIdType TracesOfOthers = 0;
-
-  /// Of the last input.
-  std::shared_ptr<const SurfaceMesh> Surface;
-  std::vector<std::string> MaterialNames;
-  std::vector<std::int32_t> PointIds;
-  TopologyStamp Topology;
-
-  void SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons)
-  {
-    SetProperty(filter, this->Photons, std::move(photons));
-  }
-  Exposer& Open(const ProjectorOptions& options);
-  void SetSurface(vtkDataObject* input);
-  void SetMaterials(const std::string& table, Scene& scene) const;
+  InputSurface Input;
 };
-
-Exposer& vtkXRayProjector::Internals::Open(const ProjectorOptions& options)
-{
-  if (!this->Device || this->Options.Device != options.Device ||
-    this->Options.Projection != options.Projection)
-  {
-    this->TracesOfOthers +=
-      this->Device ? static_cast<vtkIdType>(this->Device->NumberOfTraces()) : 0;
-    this->Device = std::make_unique<Exposer>(options);
-    this->Options = options;
-  }
-  return *this->Device;
-}
-
-/// Extracts interfaces only where cells or their materials are others than at the last update.
-void vtkXRayProjector::Internals::SetSurface(vtkDataObject* input)
-{
-  if (auto* polyData = vtkPolyData::SafeDownCast(input))
-  {
-    this->Topology = TopologyStamp();
-    this->Surface =
-      std::make_shared<const SurfaceMesh>(FromPolyData(polyData, &this->MaterialNames));
-    return;
-  }
-  auto* grid = vtkUnstructuredGrid::SafeDownCast(input);
-  const TopologyStamp topology(grid);
-  if (!(topology == this->Topology) || !this->Surface)
-  {
-    this->Topology = TopologyStamp();
-    this->Surface = std::make_shared<const SurfaceMesh>(
-      ExtractInterfaces(FromGrid(grid, &this->MaterialNames), &this->PointIds));
-    this->Topology = topology;
-    return;
-  }
-  std::vector<double> points(this->Surface->Points.size());
-  for (std::size_t point = 0; point < this->PointIds.size(); ++point)
-  {
-    grid->GetPoint(this->PointIds[point], &points[3 * point]);
-  }
-  if (points != this->Surface->Points)
-  {
-    auto moved = std::make_shared<SurfaceMesh>(*this->Surface);
-    moved->Points = std::move(points);
-    this->Surface = std::move(moved);
-  }
-}
-
-/// Takes materials that were set one by one, and the others from the table: by name where the input
-/// names them, else by index.
-void vtkXRayProjector::Internals::SetMaterials(const std::string& table, Scene& scene) const
-{
-  const mammoray::MaterialTable known =
-    table.empty() ? mammoray::MaterialTable() : FindMaterialTable(table);
-  const auto count = static_cast<std::size_t>(this->Surface->NumberOfMaterials());
-  scene.Materials.Materials.resize(count);
-  scene.Attenuations.resize(count);
-  for (std::size_t index = 1; index < count; ++index)
-  {
-    Material& material = scene.Materials.Materials[index];
-    const bool isNamed = index < this->MaterialNames.size() && !this->MaterialNames[index].empty();
-    const auto own = this->Attenuations.find(static_cast<int>(index));
-    const std::size_t inTable = own == this->Attenuations.end() && isNamed && !table.empty()
-      ? static_cast<std::size_t>(known.IndexOf(this->MaterialNames[index]))
-      : index;
-    if (own != this->Attenuations.end())
-    {
-      material.Attenuation = own->second.Table;
-      material.DensityGPerCm3 = own->second.DensityGPerCm3;
-    }
-    else if (inTable < known.Materials.size())
-    {
-      material = known.Materials[inTable];
-    }
-    material.Name = isNamed ? this->MaterialNames[index] : std::to_string(index);
-    if (!material.Attenuation.empty())
-    {
-      scene.Attenuations[index] = FindAttenuation(material);
-      material.DensityGPerCm3 = scene.Attenuations[index].DensityOf(material.DensityGPerCm3);
-    }
-    else if (own != this->Attenuations.end())
-    {
-      const std::vector<double>& energies = scene.XRays.EnergiesKeV;
-      scene.Attenuations[index] = { material.Name, 1.0, energies,
-        std::vector<double>(energies.size(), own->second.MuPerMm) };
-    }
-  }
-}
 
 vtkStandardNewMacro(vtkXRayProjector);
 
@@ -215,48 +63,29 @@ vtkXRayProjector::~vtkXRayProjector()
 mammorayCxxSetTextMacro(vtkXRayProjector, SceneFile);
 mammorayCxxSetTextMacro(vtkXRayProjector, DeviceName);
 mammorayCxxSetTextMacro(vtkXRayProjector, MaterialTable);
-mammorayCxxSetTextMacro(vtkXRayProjector, MaterialTableFile);
 mammorayCxxSetTextMacro(vtkXRayProjector, Spectrum);
-mammorayCxxSetTextMacro(vtkXRayProjector, SpectrumFile);
 
-void vtkXRayProjector::SetMonochromatic(double energyKeV)
+void vtkXRayProjector::SetKey(const char* key, const char* value)
 {
-  mammoray::Spectrum line;
-  line.EnergiesKeV = { energyKeV };
-  line.Weights = { 1.0 };
-  this->Internal->SetPhotons(this, std::move(line));
-}
-
-void vtkXRayProjector::ClearSpectrum()
-{
-  this->Internal->SetPhotons(this, {});
-}
-
-void vtkXRayProjector::AddSpectrumLine(double energyKeV, double photons)
-{
-  this->Internal->Photons.EnergiesKeV.push_back(energyKeV);
-  this->Internal->Photons.Weights.push_back(photons);
-  this->Modified();
-}
-
-void vtkXRayProjector::SetAttenuationTable(int material, const std::string& table,
-  double densityGPerCm3)
-{
-  auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { table, densityGPerCm3, 0.0 };
-  SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
-}
-
-void vtkXRayProjector::SetLinearAttenuation(int material, double muPerMm)
-{
-  auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { "", 1.0, muPerMm };
-  SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
-}
-
-void vtkXRayProjector::ClearAttenuation()
-{
-  SetProperty(this, this->Internal->Attenuations, {});
+  auto keys = this->Internal->Keys;
+  const std::string name = key ? key : "";
+  const std::string text = value ? value : "";
+  keys[name] = text;
+  try
+  {
+    SceneDescription tried;
+    SetQuantity({ "SetKey " + name, name, { text } }, tried);
+  }
+  catch (const InputError& error)
+  {
+    if (!text.empty())
+    {
+      vtkErrorMacro(<< error.what());
+      return;
+    }
+    keys.erase(name);
+  }
+  SetProperty(this, this->Internal->Keys, std::move(keys));
 }
 
 int vtkXRayProjector::FillInputPortInformation(int, vtkInformation* info)
@@ -267,36 +96,69 @@ int vtkXRayProjector::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
+SceneDescription vtkXRayProjector::Describe() const
+{
+  const bool isOfFile = !this->SceneFile.empty();
+  SceneDescription scene = isOfFile ? ReadScene(this->SceneFile) : SceneDescription();
+  if (!isOfFile)
+  {
+    if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
+    {
+      throw InputError("detector: expected a positive PixelSpacing");
+    }
+    const Vector3 u = ToVector(this->ColumnDirection);
+    const Vector3 v = ToVector(this->RowDirection);
+    // 1e-6: directions computed in float.
+    if (std::abs(Norm(u) - 1) > 1e-6 || std::abs(Norm(v) - 1) > 1e-6 || std::abs(Dot(u, v)) > 1e-6)
+    {
+      throw InputError(
+        "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");
+    }
+    scene.PixelSpacingMm = this->PixelSpacing[0];
+    scene.Fixed.Source.Position = ToVector(this->SourcePosition);
+    scene.Fixed.Detector = { ToVector(this->DetectorOrigin), u,
+      (this->PixelSpacing[1] / this->PixelSpacing[0]) * v, this->DetectorSize[0],
+      this->DetectorSize[1] };
+    scene.Materials = this->MaterialTable;
+  }
+  for (const auto& [key, value] : this->Internal->Keys)
+  {
+    SetQuantity({ "SetKey " + key, key, { value } }, scene);
+  }
+  const bool hasBeam = scene.Has("beam.kev") || scene.Has("beam.energies") ||
+    scene.Has("beam.spectrum") || scene.Has("beam.tube");
+  if (!isOfFile && !hasBeam && !this->Spectrum.empty())
+  {
+    SetQuantity({ "Spectrum", "beam.spectrum", { this->Spectrum } }, scene);
+  }
+  else if (!isOfFile && !hasBeam && !scene.IsRealistic)
+  {
+    scene.EnergyKeV = 20;
+  }
+  return scene;
+}
+
 int vtkXRayProjector::RequestInformation(vtkInformation*, vtkInformationVector**,
   vtkInformationVector* outputs)
 {
-  XRayDetector detector{ ToVector(this->DetectorOrigin), ToVector(this->ColumnDirection),
-    ToVector(this->RowDirection), this->DetectorSize[0], this->DetectorSize[1] };
-  double spacing[3] = { this->PixelSpacing[0], this->PixelSpacing[1], 1.0 };
-  if (!this->SceneFile.empty())
+  try
   {
-    try
-    {
-      const SceneDescription scene = ReadScene(this->SceneFile);
-      detector = scene.Fixed.Detector;
-      spacing[0] = spacing[1] = scene.PixelSpacingMm;
-    }
-    catch (const std::exception&)
-    {
-      // RequestData raises it.
-    }
+    const SceneDescription scene = this->Describe();
+    XRayDetector detector = scene.Fixed.Detector;
+    detector.ColumnStep = scene.PixelSpacingMm * detector.ColumnStep;
+    detector.RowStep = scene.PixelSpacingMm * detector.RowStep;
+    const auto image = MakeDetectorImage(detector);
+    vtkInformation* info = outputs->GetInformationObject(0);
+    info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), image->GetExtent(), 6);
+    info->Set(vtkDataObject::SPACING(), image->GetSpacing(), 3);
+    info->Set(vtkDataObject::ORIGIN(), image->GetOrigin(), 3);
+    info->Set(vtkDataObject::DIRECTION(), image->GetDirectionMatrix()->GetData(), 9);
+    vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_FLOAT, 1);
   }
-  vtkInformation* info = outputs->GetInformationObject(0);
-  const int extent[6] = { 0, detector.Columns - 1, 0, detector.Rows - 1, 0, 0 };
-  const Vector3& u = detector.ColumnStep;
-  const Vector3& v = detector.RowStep;
-  const Vector3 n = Cross(u, v);
-  const double direction[9] = { u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2] };
-  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
-  info->Set(vtkDataObject::SPACING(), spacing, 3);
-  info->Set(vtkDataObject::ORIGIN(), detector.Origin.data(), 3);
-  info->Set(vtkDataObject::DIRECTION(), direction, 9);
-  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_FLOAT, 1);
+  catch (const std::exception&)
+  {
+    // RequestData raises it.
+  }
   return 1;
 }
 
@@ -304,41 +166,6 @@ int vtkXRayProjector::RequestUpdateExtent(vtkInformation*, vtkInformationVector*
   vtkInformationVector*)
 {
   return 1; // the whole mesh, which has no extent
-}
-
-void vtkXRayProjector::PlaceBeam(vtkDataObject* input, Scene& scene) const
-{
-  if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
-  {
-    throw InputError("detector: expected a positive PixelSpacing");
-  }
-  XRaySource& source = scene.Source;
-  XRayDetector& detector = scene.Detector;
-  if (this->PlacedByInput)
-  {
-    const std::optional<VolumeFromGantry> placed = FindPlacement(input);
-    if (!placed || !(this->SourceToDetectorMm > 0))
-    {
-      throw InputError("PlacedByInput: expected a positive SourceToDetectorMm and an input with "
-                       "the field array 'Placement', as vtkBreastCompression gives it");
-    }
-    CheckDirections(placed->Y, placed->X);
-    detector = DetectorOfUnit(*placed, this->DetectorSize[0], this->DetectorSize[1],
-      { this->PixelSpacing[0], this->PixelSpacing[1] });
-    source.Position = placed->Point({ 0, 0, this->SourceToDetectorMm });
-  }
-  else
-  {
-    const Vector3 u = ToVector(this->ColumnDirection);
-    const Vector3 v = ToVector(this->RowDirection);
-    CheckDirections(u, v);
-    detector = { ToVector(this->DetectorOrigin), this->PixelSpacing[0] * u,
-      this->PixelSpacing[1] * v, this->DetectorSize[0], this->DetectorSize[1] };
-    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
-    source.Position = ToVector(this->SourcePosition);
-    source.Direction = ToVector(this->BeamDirection);
-  }
-  detector.Samples = this->Samples;
 }
 
 int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs,
@@ -350,7 +177,7 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     [&]()
     {
       this->Project(vtkDataObject::GetData(inputs[0]), output);
-      if (this->PlacedByInput && this->SceneFile.empty())
+      if (this->PlacedByInput)
       {
         // Not known before the input was.
         vtkInformation* info = outputs->GetInformationObject(0);
@@ -360,73 +187,78 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     });
 }
 
-void vtkXRayProjector::DescribeDetection(Scene& scene) const
+Scene vtkXRayProjector::MakeScene(vtkDataObject* input)
 {
-  scene.Response =
-    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
-  scene.Detection.PhotonsPerPixel = this->PhotonsPerPixel;
-  scene.Detection.Seed = static_cast<std::uint64_t>(this->NoiseSeed);
-  if (this->Scatter)
+  SceneDescription description = this->Describe();
+  const bool isPlaced = description.HasSource() && description.HasDetector();
+  if (!this->SceneFile.empty() && !isPlaced && !this->PlacedByInput)
   {
-    std::shared_ptr<const ScatterKernels>& kernels = this->Internal->Kernels;
-    if (!kernels)
+    throw InputError(this->SceneFile +
+      ": expected source.position or source.beam-direction, and "
+      "detector.origin, found not both");
+  }
+  std::shared_ptr<const SurfaceMesh> surface;
+  if (description.Mesh.empty() && description.Samples.empty())
+  {
+    if (!input)
     {
-      kernels = std::make_shared<const ScatterKernels>(FindScatterKernels());
+      throw InputError("expected an input or a SceneFile with samples, found neither");
     }
-    scene.Scatter.Method = SceneScatter::Model::Kernels;
-    scene.Scatter.Kernels = kernels;
-    scene.Scatter.AirGapMm = this->AirGapMm;
+    surface = this->Internal->Input.Update(input);
+    description.Table = this->Internal->Input.MaterialsOf(description);
   }
-  if (this->Grid[0] != 0)
+  Scene scene = LoadScene(description);
+  if (surface)
   {
-    scene.Scatter.Grid = AntiscatterGridOptions::OfLead(ToVector(this->Grid));
+    scene.Samples = { { surface } };
   }
-  if (this->Refraction != NO_REFRACTION)
+  if (this->PlacedByInput)
   {
-    scene.Refraction = this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
-                                                     : RefractionOptions::Law::NearField;
-    scene.BendDistanceMm = this->BendDistanceMm;
+    const auto placed = input ? FindPlacement(input) : std::nullopt;
+    if (!placed || !(this->SourceToDetectorMm > 0))
+    {
+      throw InputError("PlacedByInput: expected a positive SourceToDetectorMm and an input with "
+                       "the field array 'Placement', as vtkBreastCompression gives it");
+    }
+    const XRayDetector& of = scene.Detector;
+    const int samples = of.Samples;
+    scene.Detector =
+      DetectorOfUnit(*placed, of.Columns, of.Rows, { Norm(of.ColumnStep), Norm(of.RowStep) });
+    scene.Detector.Samples = samples;
+    scene.Source.Type = XRaySource::Kind::Point;
+    scene.Source.Position = placed->Point({ 0, 0, this->SourceToDetectorMm });
   }
-}
-
-Scene vtkXRayProjector::Describe(vtkDataObject* input)
-{
-  Internals& internal = *this->Internal;
-  if (!this->SceneFile.empty())
+  scene.Dose = false;
+  if (scene.Scatter.Method == SceneScatter::Model::MonteCarlo)
   {
-    Scene scene = LoadScene(this->SceneFile);
-    // The names are the scene's then, so that those of an input are read again afterwards.
-    internal.Topology = TopologyStamp();
-    internal.MaterialNames = scene.Materials.Names();
-    return scene;
+#ifdef MAMMORAY_HAS_MESHING
+    scene.Scatter.Voxels = std::make_shared<VoxelScene>(
+      LabelSurfaces(*Assemble(scene), description.VoxelMm), MakePhotonMaterials(scene.Materials));
+#else
+    throw InputError("scatter.method: expected a build with the Meshing module");
+#endif
   }
-  if (!input)
-  {
-    throw InputError("expected an input or a SceneFile, found neither");
-  }
-  Scene scene;
-  this->PlaceBeam(input, scene);
-  this->DescribeDetection(scene);
-  internal.SetSurface(input);
-  const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
-  scene.XRays = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
-  internal.SetMaterials(FileOrName(this->MaterialTableFile, this->MaterialTable), scene);
-  scene.Samples = { { internal.Surface } };
   return scene;
 }
 
 void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 {
   Internals& internal = *this->Internal;
-  const Scene scene = this->Describe(input);
+  const Scene scene = this->MakeScene(input);
   ReportProgress(ProgressOf(this), 0.4, "projecting");
-  Exposer& exposer =
-    internal.Open({ .Projection = static_cast<ProjectorOptions::Method>(this->ProjectionMethod),
-      .Device = this->DeviceName });
-  const Exposure exposure = exposer.Expose(scene, ProgressOf(this, 0.4, 0.8));
-  this->NumberOfTraces = internal.TracesOfOthers + static_cast<vtkIdType>(exposer.NumberOfTraces());
+  const ProjectorOptions options{ .Projection =
+                                    static_cast<ProjectorOptions::Method>(this->ProjectionMethod),
+    .Device = this->DeviceName };
+  if (!internal.Device || internal.Options.Device != options.Device ||
+    internal.Options.Projection != options.Projection)
+  {
+    internal.Device = std::make_unique<Exposer>(options);
+    internal.Options = options;
+  }
+  const Exposure exposure = internal.Device->Expose(scene, ProgressOf(this, 0.4, 0.8));
+  this->NumberOfTraces = static_cast<vtkIdType>(internal.Device->NumberOfTraces());
   this->UpdateProgress(0.8);
-  output->ShallowCopy(ToImage(exposure, scene.Detector, internal.MaterialNames));
+  output->ShallowCopy(ToImage(exposure, scene.Detector, scene.Materials.Names()));
   if (!exposure.Deflection.empty())
   {
     output->GetPointData()->AddArray(
@@ -447,47 +279,13 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  const auto print = [&](const char* name, const auto& value)
+  os << indent << "SceneFile: " << this->SceneFile << "\n"
+     << indent << "PlacedByInput: " << this->PlacedByInput << "\n"
+     << indent << "DeviceName: " << this->DeviceName << "\n";
+  for (const auto& [key, value] : this->Internal->Keys)
   {
-    os << indent << name << ":";
-    if constexpr (requires { std::begin(value); })
-    {
-      std::for_each(std::begin(value), std::end(value),
-        [&](const auto& each) { os << " " << each; });
-    }
-    else
-    {
-      os << " " << value;
-    }
-    os << "\n";
-  };
-  print("SceneFile", this->SceneFile.c_str());
-  print("PlacedByInput", this->PlacedByInput);
-  print("SourceToDetectorMm", this->SourceToDetectorMm);
-  print("SourcePosition", this->SourcePosition);
-  print("ParallelBeam", this->ParallelBeam);
-  print("BeamDirection", this->BeamDirection);
-  print("DetectorOrigin", this->DetectorOrigin);
-  print("ColumnDirection", this->ColumnDirection);
-  print("RowDirection", this->RowDirection);
-  print("PixelSpacing", this->PixelSpacing);
-  print("DetectorSize", this->DetectorSize);
-  print("Samples", this->Samples);
-  print("PhotonCounting", this->PhotonCounting);
-  print("PhotonsPerPixel", this->PhotonsPerPixel);
-  print("NoiseSeed", this->NoiseSeed);
-  print("Scatter", this->Scatter);
-  print("AirGapMm", this->AirGapMm);
-  print("Grid", this->Grid);
-  print("Refraction", this->Refraction);
-  print("BendDistanceMm", this->BendDistanceMm);
-  print("MaterialTable", this->MaterialTable.c_str());
-  print("MaterialTableFile", this->MaterialTableFile.c_str());
-  print("Spectrum", this->Spectrum.c_str());
-  print("SpectrumFile", this->SpectrumFile.c_str());
-  print("DeviceName", this->DeviceName.c_str());
-  print("ProjectionMethod", this->ProjectionMethod);
-  print("Energies", this->Internal->Photons.EnergiesKeV);
-  print("NumberOfInconsistentPixels", this->NumberOfInconsistentPixels);
-  print("NumberOfTraces", this->NumberOfTraces);
+    os << indent << key << ": " << value << "\n";
+  }
+  os << indent << "NumberOfInconsistentPixels: " << this->NumberOfInconsistentPixels << "\n"
+     << indent << "NumberOfTraces: " << this->NumberOfTraces << "\n";
 }

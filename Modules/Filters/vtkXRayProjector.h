@@ -13,13 +13,13 @@
  * the input (mm). Point arrays, one value per pixel: "Transmission" (float, (0, 1]),
  * "LogAttenuation" (float, -ln Transmission), "PathLength_<name>" (float, mm) for each material but
  * air, and "Consistency" (unsigned char): 1 if every ray of the pixel crossed closed surfaces; 0
- * where the mesh leaks and the value is estimated from neighbours. With Refraction also
+ * where the mesh leaks and the value is estimated from neighbours. With refraction also
  * "Deflection" (float, radians along columns and rows).
  *
- * Properties make a scene for mammoray/XRay/Exposer.h, which keeps the mesh on the Vulkan device
- * across updates: moved points refit, a moved source or detector traces again, and another beam or
- * attenuation needs no tracing. Unusable input, a material without attenuation and a missing device
- * raise ErrorEvent once and leave the output empty.
+ * Properties and keys make a mammoray::Scene, and mammoray/XRay/Exposer.h keeps its mesh on the
+ * Vulkan device across updates: moved points refit, a moved source or detector traces again, and
+ * another beam or attenuation needs no tracing. Unusable input, a material without attenuation and
+ * a missing device raise ErrorEvent once and leave the output empty.
  */
 #ifndef vtkXRayProjector_h
 #define vtkXRayProjector_h
@@ -31,6 +31,7 @@
 namespace mammoray
 {
 struct Scene;
+struct SceneDescription;
 }
 
 class MAMMORAYFILTERS_EXPORT vtkXRayProjector : public vtkImageAlgorithm
@@ -42,9 +43,21 @@ public:
 
   ///@{
   /**
-   * Path of a scene file (docs/reference/scene-files.md) with samples or a mesh, source and
-   * detector. The filter then needs no input, and only DeviceName and ProjectionMethod of its
-   * properties count. Default empty.
+   * Sets what a key of scene files means (docs/reference/commands/scene-keys.md), as 'mammoray
+   * project --set' does: SetKey("beam.tube", "W"), SetKey("source.beam-direction", "[0, 0, -1]"),
+   * SetKey("attenuations.gland", "H2O@1.04"). The input's materials without a name are called by
+   * their index: SetKey("attenuations.1", "0.05/mm"). Keys take precedence over properties and
+   * the scene file. An empty text removes the key. Raises ErrorEvent on an unknown key and an
+   * unusable value, and keeps what was set before. Dose is not computed here.
+   */
+  void SetKey(const char* key, const char* value);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a scene file (docs/reference/scene-files.md) with source and detector. The input is
+   * X-rayed if the scene has no samples and no mesh. Of the properties only PlacedByInput,
+   * SourceToDetectorMm, DeviceName and ProjectionMethod count then. Default empty.
    */
   void SetSceneFile(const char* path);
   vtkGetCharFromStdStringMacro(SceneFile);
@@ -56,7 +69,7 @@ public:
    * vtkBreastCompression, vtkBreastRegistration and the commands compress and register write. The
    * focus is SourceToDetectorMm (positive; default 650) above the receptor; columns run from its
    * chest-wall edge towards the nipple, rows along gantry -x, centred on the receptor. Of the
-   * detector's properties only PixelSpacing and DetectorSize are used. Default false.
+   * detector only its pixels count. Default false.
    */
   vtkSetMacro(PlacedByInput, bool);
   vtkGetMacro(PlacedByInput, bool);
@@ -67,24 +80,13 @@ public:
 
   ///@{
   /**
-   * Position of a point source, mm, world; default (0, 0, 650). With ParallelBeam instead parallel
-   * X-rays that travel along BeamDirection, of any length, world; defaults false, (0, 0, -1).
+   * Places, mm, and directions, in the world. SourcePosition is that of a point source, default (0,
+   * 0, 650); DetectorOrigin the centre of the pixel in column 0 and row 0, default (0, 0, 0).
+   * ColumnDirection and RowDirection are unit vectors at right angles towards the next column,
+   * default (1, 0, 0), and towards the next row, default (0, 1, 0).
    */
   vtkSetVector3Macro(SourcePosition, double);
   vtkGetVector3Macro(SourcePosition, double);
-  vtkSetMacro(ParallelBeam, bool);
-  vtkGetMacro(ParallelBeam, bool);
-  vtkBooleanMacro(ParallelBeam, bool);
-  vtkSetVector3Macro(BeamDirection, double);
-  vtkGetVector3Macro(BeamDirection, double);
-  ///@}
-
-  ///@{
-  /**
-   * DetectorOrigin is the centre of the pixel in column 0 and row 0, mm, world, default (0, 0, 0).
-   * ColumnDirection and RowDirection are unit vectors at right angles, world, towards the next
-   * column, default (1, 0, 0), and towards the next row, default (0, 1, 0).
-   */
   vtkSetVector3Macro(DetectorOrigin, double);
   vtkGetVector3Macro(DetectorOrigin, double);
   vtkSetVector3Macro(ColumnDirection, double);
@@ -97,71 +99,12 @@ public:
   /**
    * PixelSpacing is the distance between the centres of neighbouring columns and of neighbouring
    * rows, mm, positive, default (0.1, 0.1). DetectorSize is the number of columns and of rows,
-   * positive, default (256, 256). Each pixel has Samples x Samples rays, whose transmissions and
-   * path lengths are averaged; Samples is 1 to 16, default 1.
+   * positive, default (256, 256).
    */
   vtkSetVector2Macro(PixelSpacing, double);
   vtkGetVector2Macro(PixelSpacing, double);
   vtkSetVector2Macro(DetectorSize, int);
   vtkGetVector2Macro(DetectorSize, int);
-  vtkSetMacro(Samples, int);
-  vtkGetMacro(Samples, int);
-  ///@}
-
-  ///@{
-  /**
-   * True when the detector counts photons, false when it adds up their energy. Default false.
-   */
-  vtkSetMacro(PhotonCounting, bool);
-  vtkGetMacro(PhotonCounting, bool);
-  vtkBooleanMacro(PhotonCounting, bool);
-  ///@}
-
-  ///@{
-  /**
-   * Mean number of photons that meet a pixel without the object, 0 to 1e12. Their quantum noise
-   * follows from NoiseSeed. Default 0: no noise.
-   */
-  vtkSetMacro(PhotonsPerPixel, double);
-  vtkGetMacro(PhotonsPerPixel, double);
-  vtkSetMacro(NoiseSeed, int);
-  vtkGetMacro(NoiseSeed, int);
-  ///@}
-
-  ///@{
-  /**
-   * Whether scatter of breast tissue is added, from the thickness along each ray
-   * (mammoray/XRay/Scatter/ScatterModel.h). AirGapMm is the distance from the back of the tissue to
-   * the detector, 0 to 200 mm. Grid is an anti-scatter grid of lead and fibre, focused on the
-   * source, with septa along the rows' direction: ratio (0: no grid; else 1 to 30), lines per cm (5
-   * to 200), thickness of the septa, micrometres. Transmissions are relative to air behind the
-   * grid. Defaults false, 17, (0, 31, 65).
-   */
-  vtkSetMacro(Scatter, bool);
-  vtkGetMacro(Scatter, bool);
-  vtkBooleanMacro(Scatter, bool);
-  vtkSetMacro(AirGapMm, double);
-  vtkGetMacro(AirGapMm, double);
-  vtkSetVector3Macro(Grid, double);
-  vtkGetVector3Macro(Grid, double);
-  ///@}
-
-  enum RefractionType
-  {
-    NO_REFRACTION = 0,
-    GEOMETRIC = 1,
-    NEAR_FIELD = 2
-  };
-  ///@{
-  /**
-   * Whether bodies bend rays (RefractionOptions of mammoray/XRay/Exposure.h), at the distance
-   * BendDistanceMm from the detector, not negative. Attenuations of materials must be compositions.
-   * Excludes noise and scatter. Defaults NO_REFRACTION, 0.
-   */
-  vtkSetClampMacro(Refraction, int, NO_REFRACTION, NEAR_FIELD);
-  vtkGetMacro(Refraction, int);
-  vtkSetMacro(BendDistanceMm, double);
-  vtkGetMacro(BendDistanceMm, double);
   ///@}
 
   enum ProjectionMethodType
@@ -184,55 +127,22 @@ public:
 
   ///@{
   /**
-   * Path of a material table (JSON) or the name of a shipped one, with attenuation and density of
-   * the input's materials: by name if the input has names, else by index. SetAttenuationTable and
-   * SetLinearAttenuation take precedence. Default empty: only these. MaterialTableFile, a path,
-   * takes precedence; it serves interfaces that offer the shipped tables as a list, as ParaView
-   * does.
+   * MaterialTable is the path of a material table (JSON) or the name of a shipped one, with
+   * attenuation and density of the input's materials: by name if the input has names, else by
+   * index. Default empty: only those of keys. Spectrum is the path of a spectrum (see IO's
+   * ReadSpectrum) or the name of a shipped one. Default empty: the beam of the keys, else photons
+   * of 20 keV.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
-  void SetMaterialTableFile(const char* path);
-  vtkGetCharFromStdStringMacro(MaterialTableFile);
-  ///@}
-
-  ///@{
-  /**
-   * Path of a spectrum (see IO's ReadSpectrum) or the name of a shipped one. Default empty: the
-   * photons of SetMonochromatic or AddSpectrumLine. SpectrumFile, a path, takes precedence.
-   */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
-  void SetSpectrumFile(const char* path);
-  vtkGetCharFromStdStringMacro(SpectrumFile);
-  ///@}
-
-  ///@{
-  /**
-   * The photons: all of one energy, keV; or none, and then some of each energy (keV, above all
-   * added before) in any common unit. The default beam has 20 keV.
-   */
-  void SetMonochromatic(double energyKeV);
-  void ClearSpectrum();
-  void AddSpectrumLine(double energyKeV, double photons);
-  ///@}
-
-  ///@{
-  /**
-   * Gives a material the attenuation table of that name in the data directory ("adipose",
-   * "glandular"), scaled to the density, g/cm^3 (0: its own, where it has one), and read at the
-   * next update; or a linear attenuation coefficient that does not depend on energy, 1/mm,
-   * positive. ClearAttenuation removes what was set for single materials.
-   */
-  void SetAttenuationTable(int material, const std::string& table, double densityGPerCm3 = 0);
-  void SetLinearAttenuation(int material, double muPerMm);
-  void ClearAttenuation();
   ///@}
 
   ///@{
   /**
    * Number of pixels of the last image whose Consistency is 0; and how often rays have been traced
-   * since the filter was made: once per image and sample.
+   * on the present device: once per image and sample.
    */
   vtkGetMacro(NumberOfInconsistentPixels, vtkIdType);
   vtkGetMacro(NumberOfTraces, vtkIdType);
@@ -250,13 +160,12 @@ protected:
     vtkInformationVector* outputs) override;
 
 private:
-  /// The scene file, or what the properties make of the input. Throws InputError.
-  mammoray::Scene Describe(vtkDataObject* input);
+  /// The scene file, or the properties; then the keys. Throws InputError.
+  mammoray::SceneDescription Describe() const;
+  /// The scene of Describe with what the input gives. Throws InputError.
+  mammoray::Scene MakeScene(vtkDataObject* input);
   /// Throws InputError, DeviceError and Interrupted.
   void Project(vtkDataObject* input, vtkImageData* output);
-  /// Bring the properties into the scene. Throw InputError.
-  void PlaceBeam(vtkDataObject* input, mammoray::Scene& scene) const;
-  void DescribeDetection(mammoray::Scene& scene) const;
 
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;
@@ -265,26 +174,13 @@ private:
   bool PlacedByInput = false;
   double SourceToDetectorMm = 650;
   double SourcePosition[3] = { 0, 0, 650 };
-  bool ParallelBeam = false;
-  double BeamDirection[3] = { 0, 0, -1 };
   double DetectorOrigin[3] = { 0, 0, 0 };
   double ColumnDirection[3] = { 1, 0, 0 };
   double RowDirection[3] = { 0, 1, 0 };
   double PixelSpacing[2] = { 0.1, 0.1 };
   int DetectorSize[2] = { 256, 256 };
-  int Samples = 1;
-  bool PhotonCounting = false;
-  double PhotonsPerPixel = 0;
-  int NoiseSeed = 0;
-  bool Scatter = false;
-  double AirGapMm = 17;
-  double Grid[3] = { 0, 31, 65 };
-  int Refraction = NO_REFRACTION;
-  double BendDistanceMm = 0;
   std::string MaterialTable;
-  std::string MaterialTableFile;
   std::string Spectrum;
-  std::string SpectrumFile;
   std::string DeviceName;
   int ProjectionMethod = AUTO;
   vtkIdType NumberOfInconsistentPixels = 0;

@@ -50,6 +50,8 @@ struct MAMMORAYIO_EXPORT SceneDescription
   std::vector<SurfaceSample> Samples;
   /// Material table: a path or the name of a shipped one; or the JSON of a table.
   std::string Materials;
+  /// Takes precedence over Materials; not written to files.
+  std::optional<MaterialTable> Table;
   /// Other attenuations of the table's materials, by their names: "ATTENUATION[@DENSITY]", g/cm3.
   std::map<std::string, std::string> Attenuations;
   /// Iodine that the table's materials have taken up, mg/ml.

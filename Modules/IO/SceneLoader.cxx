@@ -103,8 +103,8 @@ int IndexForKey(const std::string& name, const MaterialTable& table, const std::
 
 MaterialTable MaterialsOf(const SceneDescription& description)
 {
-  MaterialTable table;
-  if (!description.Materials.empty())
+  MaterialTable table = description.Table.value_or(MaterialTable());
+  if (!description.Table && !description.Materials.empty())
   {
     table = description.Materials.starts_with('{') ? ParseMaterialTable(description.Materials)
                                                    : FindMaterialTable(description.Materials);

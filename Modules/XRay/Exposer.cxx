@@ -159,7 +159,14 @@ struct ScatterKey
   Spectrum XRays;
   DetectorResponse Response;
 
-  bool operator==(const ScatterKey&) const = default;
+  bool operator==(const ScatterKey& other) const
+  {
+    // Of one file that was read twice the content is the same.
+    const bool isSameTable = this->Kernels == other.Kernels ||
+      (this->Kernels && other.Kernels && *this->Kernels == *other.Kernels);
+    return isSameTable && this->AirGapMm == other.AirGapMm && this->Grid == other.Grid &&
+      this->XRays == other.XRays && this->Response == other.Response;
+  }
 };
 }
 

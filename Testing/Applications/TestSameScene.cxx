@@ -16,6 +16,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
@@ -135,17 +136,22 @@ protected:
     filter->SetDetectorOrigin(detector.Origin.data());
     filter->SetPixelSpacing(Norm(detector.ColumnStep), Norm(detector.RowStep));
     filter->SetDetectorSize(detector.Columns, detector.Rows);
-    filter->SetSamples(detector.Samples);
     filter->SetMaterialTable(this->Folder.File("table.json").c_str());
     filter->SetSpectrum("W28kVp_Rh50um_Be1mm");
-    filter->SetPhotonsPerPixel(scene.Detection.PhotonsPerPixel);
-    filter->SetNoiseSeed(static_cast<int>(scene.Detection.Seed));
-    filter->SetScatter(scene.Scatter.Method == SceneScatter::Model::Kernels);
-    filter->SetAirGapMm(scene.Scatter.AirGapMm);
+    const auto set = [&](const char* key, const auto& value)
+    { filter->SetKey(key, nlohmann::json(value).dump().c_str()); };
+    set("detector.samples", detector.Samples);
+    set("detector.photons", scene.Detection.PhotonsPerPixel);
+    set("detector.seed", scene.Detection.Seed);
+    set("scatter.air-gap", scene.Scatter.AirGapMm);
+    if (scene.Scatter.Method == SceneScatter::Model::Kernels)
+    {
+      filter->SetKey("scatter.method", "kernels");
+    }
     if (scene.Refraction)
     {
-      filter->SetRefraction(vtkXRayProjector::GEOMETRIC);
-      filter->SetBendDistanceMm(*scene.BendDistanceMm);
+      filter->SetKey("refraction.law", "geometric");
+      set("refraction.distance", *scene.BendDistanceMm);
     }
     return PicturesOf(filter, scene);
   }

@@ -192,8 +192,8 @@ TEST_F(BreastPipeline, UpdatesOnlyWhatChanged)
   projector->SetDetectorOrigin(0, -40, -60);
   projector->SetPixelSpacing(2, 2);
   projector->SetDetectorSize(30, 40);
-  projector->SetAttenuationTable(1, "adipose", 0.92);
-  projector->SetAttenuationTable(2, "muscle", 1.05);
+  projector->SetKey("attenuations.1", "adipose@0.92");
+  projector->SetKey("attenuations.2", "muscle@1.05");
   const Watch meshing(mesher);
   const Watch squeezing(compression);
   const Watch tracing(projector);
@@ -205,7 +205,7 @@ TEST_F(BreastPipeline, UpdatesOnlyWhatChanged)
   using Counts = std::array<int, 3>;
   EXPECT_EQ(counts(), (Counts{ 1, 1, 1 }));
   EXPECT_EQ(counts(), (Counts{ 1, 1, 1 }));
-  projector->SetMonochromatic(25); // the beam: no mesh, no mechanics, not even a ray
+  projector->SetKey("beam.kev", "25"); // the beam: no mesh, no mechanics, not even a ray
   EXPECT_EQ(counts(), (Counts{ 1, 1, 2 }));
   EXPECT_EQ(projector->GetNumberOfTraces(), 1);
   projector->SetSourcePosition(10, 0, 500);

@@ -83,8 +83,8 @@ protected:
     this->Filter->SetDetectorOrigin(1, 1.5, -5);
     this->Filter->SetPixelSpacing(2, 1.5);
     this->Filter->SetDetectorSize(4, 5);
-    this->Filter->ParallelBeamOn();
-    this->Filter->SetLinearAttenuation(1, 0.05);
+    this->Filter->SetKey("source.beam-direction", "[0, 0, -1]");
+    this->Filter->SetKey("attenuations.1", "0.05/mm");
   }
   float Value(const char* array, vtkIdType pixel)
   {
@@ -102,7 +102,7 @@ TEST_F(XRayProjectorFilter, SamplesAverageTransmissions)
   const auto grid = Brick(10, 20, 12);
   this->Filter->SetInputData(grid);
   this->Filter->SetDetectorOrigin(0, 1.5, -5);
-  this->Filter->SetSamples(4);
+  this->Filter->SetKey("detector.samples", "4");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_NEAR(this->Value("Transmission", 0), 0.5 * (1 + std::exp(-0.6)), 1e-6);
@@ -145,17 +145,17 @@ TEST_F(XRayProjectorFilter, ScatterIsAddedAndAGridTakesItAway)
   };
   const float primary = middle();
   EXPECT_NEAR(primary, std::exp(-2.0), 1e-6);
-  this->Filter->ScatterOn();
+  this->Filter->SetKey("scatter.method", "kernels");
   const float scatter = middle() - primary;
   // Boone and Cooper's ratio of 10 cm and 4 cm is 0.36.
   EXPECT_NEAR(scatter / primary, 0.36, 0.06);
-  this->Filter->SetGrid(5, 31, 65);
+  this->Filter->SetKey("scatter.grid.ratio", "5");
   EXPECT_LT(middle() - primary, 0.3F * scatter);
-  this->Filter->SetPhotonsPerPixel(1e4);
+  this->Filter->SetKey("detector.photons", "1e4");
   EXPECT_NE(middle(), primary);
   EXPECT_NEAR(middle(), primary, 0.2 * primary); // noise of 3 %, and scatter
   EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
-  this->Filter->ScatterOff();
+  this->Filter->SetKey("scatter.method", "");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1);
   EXPECT_NE(this->Errors->Text.find("grid: expected scatter"), std::string::npos)
@@ -167,16 +167,17 @@ TEST_F(XRayProjectorFilter, RefractionBendsRaysAtASlope)
   // A tetrahedron's faces are wedges: the deflection is delta times the tangent, and one image has
   // no more than the angles of its faces.
   this->Filter->SetInputData(Brick(10, 20, 12));
-  this->Filter->SetAttenuationTable(1, "H2O", 1);
-  this->Filter->SetRefraction(vtkXRayProjector::GEOMETRIC);
-  this->Filter->SetBeamDirection(0.05, 0, -1);
+  this->Filter->SetKey("attenuations.1", "H2O@1");
+  this->Filter->SetKey("refraction.law", "geometric");
+  this->Filter->SetKey("refraction.distance", "0");
+  this->Filter->SetKey("source.beam-direction", "[0.05, 0, -1]");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   ASSERT_NE(this->Filter->GetOutput()->GetPointData()->GetArray("Deflection"), nullptr);
   // Between parallel faces rays go on as they came.
   EXPECT_NEAR(this->Value("Deflection", 6), 0, 1e-9);
   EXPECT_LT(this->Value("Transmission", 6), 1);
-  this->Filter->SetLinearAttenuation(1, 0.05);
+  this->Filter->SetKey("attenuations.1", "0.05/mm");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1); // of no composition
 }
@@ -184,21 +185,21 @@ TEST_F(XRayProjectorFilter, RefractionBendsRaysAtASlope)
 TEST_F(XRayProjectorFilter, AnotherBeamDoesNotTraceAgain)
 {
   this->Filter->SetInputData(Brick(10, 20, 12));
-  this->Filter->SetSamples(2);
+  this->Filter->SetKey("detector.samples", "2");
   this->Filter->Update();
   EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
   EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6);
-  this->Filter->SetLinearAttenuation(1, 0.1);
-  this->Filter->SetMonochromatic(30);
-  this->Filter->PhotonCountingOn();
+  this->Filter->SetKey("attenuations.1", "0.1/mm");
+  this->Filter->SetKey("beam.kev", "30");
+  this->Filter->SetKey("detector.response", "counting");
   this->Filter->Update();
   EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
   EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.2, 1e-6);
   // A moved beam traces again, and so do moved points.
-  this->Filter->SetBeamDirection(0, 0.5, -1);
+  this->Filter->SetKey("source.beam-direction", "[0, 0.5, -1]");
   this->Filter->Update();
   EXPECT_EQ(this->Filter->GetNumberOfTraces(), 8);
-  this->Filter->SetBeamDirection(0, 0, -1);
+  this->Filter->SetKey("source.beam-direction", "[0, 0, -1]");
   this->Filter->SetInputData(Brick(10, 20, 18));
   this->Filter->Update();
   EXPECT_EQ(this->Filter->GetNumberOfTraces(), 12);
@@ -244,7 +245,7 @@ TEST_F(XRayProjectorFilter, FollowsMovedPointsAndMovedSource)
   this->Filter->Update();
   EXPECT_NEAR(this->Value("PathLength_1", 7), 6, 1e-6);
 
-  this->Filter->SetBeamDirection(0, 0.6, -0.8);
+  this->Filter->SetKey("source.beam-direction", "[0, 0.6, -0.8]");
   this->Filter->SetDetectorOrigin(1, 8, -1);
   this->Filter->Update();
   EXPECT_NEAR(this->Value("PathLength_1", 0), 6 / 0.8, 1e-6);
@@ -273,7 +274,7 @@ TEST_F(XRayProjectorFilter, StandsWhereTheInputSays)
     placed.push_back(this->Value("PathLength_1", pixel));
   }
   this->Filter->PlacedByInputOff();
-  this->Filter->ParallelBeamOff();
+  this->Filter->SetKey("source.beam-direction", "");
   this->Filter->SetSourcePosition(12, 9, 570);
   this->Filter->SetDetectorOrigin(11, 12, -30);
   this->Filter->SetColumnDirection(-1, 0, 0);
@@ -298,13 +299,15 @@ TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
   names->InsertNextValue("air");
   names->InsertNextValue("gland"); // not the table's material 1
   grid->GetFieldData()->AddArray(names);
+  this->Filter->SetKey("attenuations.1", "");
+  this->Filter->SetKey("attenuations.gland", "0.05/mm");
   this->Filter->SetInputData(grid);
   this->Filter->SetMaterialTable("victre");
   this->Filter->SetSpectrum("W30kVp_Rh50um_Be1mm");
   this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6) << "what was said of it goes first";
-  this->Filter->ClearAttenuation();
+  this->Filter->SetKey("attenuations.gland", "");
   this->Filter->Update();
   const mammoray::MaterialTable table = mammoray::FindMaterialTable("victre");
   const mammoray::Beam beam = mammoray::MakeBeam(table,
@@ -320,14 +323,14 @@ TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
   this->Filter->SetMaterialTable("victor");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1);
-  // A file goes before a name.
-  this->Filter->SetMaterialTableFile(mammoray::FindMaterialTablePath("victre").c_str());
+  // A key goes before a property.
+  this->Filter->SetKey("materials", mammoray::FindMaterialTablePath("victre").c_str());
   const std::string spectra = mammoray::DataDirectory() + "/spectra/";
-  this->Filter->SetSpectrumFile((spectra + "W28kVp_Rh50um_Be1mm.spc").c_str());
+  this->Filter->SetKey("beam.spectrum", (spectra + "W28kVp_Rh50um_Be1mm.spc").c_str());
   this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 1) << this->Errors->Text;
   EXPECT_GT(this->Value("LogAttenuation", 0), 1.01 * byNames) << "28 kV is softer than 30 kV";
-  this->Filter->SetSpectrumFile("");
+  this->Filter->SetKey("beam.spectrum", "");
   this->Filter->Update();
   EXPECT_EQ(this->Value("LogAttenuation", 0), byNames);
 }
@@ -346,14 +349,66 @@ TEST_F(XRayProjectorFilter, NamesAreTheInputsAgainAfterAScene)
   this->Filter->SetInputData(grid);
   this->Filter->Update();
   EXPECT_NEAR(this->Value("PathLength_1", 0), 12, 1e-6); // floats
+  this->Filter->SetKey("source.beam-direction", "");
+  this->Filter->SetKey("attenuations.1", "");
   this->Filter->SetSceneFile(scene.c_str());
   this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_NEAR(this->Value("PathLength_Al", 0), 7, 1e-6) << "x + y + z = 9 at (1, 1)";
   this->Filter->SetSceneFile("");
+  this->Filter->SetKey("source.beam-direction", "[0, 0, -1]");
+  this->Filter->SetKey("attenuations.1", "0.05/mm");
   this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_NEAR(this->Value("PathLength_1", 0), 12, 1e-6);
+}
+
+TEST_F(XRayProjectorFilter, XRaysTheInputInASceneWithoutSamples)
+{
+  const mammoray::test::TemporaryFolder folder;
+  const std::string scene = folder.Write("scene.json", R"({ "beam": { "kev": 30 },
+    "source": { "beam-direction": [0, 0, -1] },
+    "detector": { "origin": [1, 1, -5], "column-direction": [1, 0, 0], "row-direction": [0, 1, 0],
+      "columns": 3, "rows": 2, "pixel-spacing": 1 } })");
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->SetSceneFile(scene.c_str());
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfPoints(), 6);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6);
+  // Keys go before the file.
+  this->Filter->SetKey("detector.columns", "4");
+  this->Filter->SetKey("attenuations.1", "0.1/mm");
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfPoints(), 8);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.2, 1e-6);
+  // Neither input nor samples; and a scene that stands nowhere.
+  this->Filter->SetInputData(nullptr);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("expected an input or a SceneFile"));
+  this->Filter->SetKey("source.beam-direction", "");
+  this->Filter->SetSceneFile(folder.Write("empty.json", "{}").c_str());
+  this->Filter->Update();
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("empty.json: expected source.position"));
+}
+
+TEST_F(XRayProjectorFilter, RefusesKeysAtOnceAndKeepsWhatWasSet)
+{
+  this->Filter->SetKey("beam.fev", "20");
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("no quantity 'beam.fev'"));
+  const vtkMTimeType before = this->Filter->GetMTime();
+  this->Filter->SetKey("beam.kev", "much");
+  EXPECT_EQ(this->Errors->Count, 2);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("SetKey beam.kev: expected a number from 1"));
+  this->Filter->SetKey("attenuations.1", "0.05/mm");
+  EXPECT_EQ(this->Filter->GetMTime(), before);
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 2) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-7);
 }
 
 TEST_F(XRayProjectorFilter, PolyDataWithInsideMaterialInAnyOrientation)
@@ -392,12 +447,12 @@ TEST_F(XRayProjectorFilter, SaysOnceWhatIsWrong)
   EXPECT_THAT(this->Errors->Text, testing::HasSubstr("material '2'"));
   EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfPoints(), 0);
 
-  this->Filter->SetAttenuationTable(2, "unobtainium", 1.0);
+  this->Filter->SetKey("attenuations.2", "unobtainium@1");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 2);
   EXPECT_THAT(this->Errors->Text, testing::HasSubstr("adipose"));
 
-  this->Filter->SetAttenuationTable(2, "adipose", 0.92);
+  this->Filter->SetKey("attenuations.2", "adipose@0.92");
   grid->GetCellData()->RemoveArray("Material");
   grid->Modified();
   this->Filter->Update();

@@ -30,13 +30,15 @@ def raises(expected, call, *arguments, **keywords):
 sphere = vtkSphereSource()
 projector = mammoray.vtkXRayProjector(PixelSpacing=(0.5, 0.25), DetectorSize=(8, 4), MaterialTable="victr")
 assert projector.GetPixelSpacing() == (0.5, 0.25) and projector.GetDetectorSize() == (8, 4)
-raises("expected an input or a SceneFile, found neither", projector.Update)
+raises("expected an input or a SceneFile with samples, found neither", projector.Update)
 projector.SetInputConnection(sphere.GetOutputPort())
 raises("did you mean victre?", projector.Update)
 raises("did you mean victre?", projector.Update)  # still
 raises("no property 'PixelSpacng'; did you mean PixelSpacing", mammoray.vtkXRayProjector, PixelSpacng=1)
 raises("PixelSpacing='wide'", mammoray.vtkXRayProjector, PixelSpacing="wide")
 raises("expected a material in [1, 65535], found 0", mammoray.vtkBreastCompression().SetMaterial, 0, 1.0, 0.4, False)
+raises("no quantity 'beam.kve'", projector.SetKey, "beam.kve", "19")
+raises("SetKey beam.kev: expected a number from 1 to 500", projector.SetKey, "beam.kev", "999")
 raises("no file", mammoray.vtkMammogramReader(FileName="/nowhere.dcm").Update)
 
 # What fails before the filter that is updated is raised by it, too.
@@ -64,8 +66,8 @@ assert said.getvalue().startswith("vtkXRayProjector: material table victr") and 
 # Equal values update nothing.
 for algorithm, setters in (
         (mammoray.vtkXRayProjector(), (("SetMaterialTable", "victre"), ("SetSpectrum", "W28kVp_Rh50um_Be1mm"), ("SetDeviceName", "x"),
-                                       ("SetLinearAttenuation", 1, 0.5), ("SetAttenuationTable", 2, "adipose", 0.9),
-                                       ("SetMonochromatic", 19.0), ("SetPixelSpacing", 0.2, 0.2), ("ClearAttenuation",))),
+                                       ("SetKey", "attenuations.1", "0.5/mm"), ("SetKey", "attenuations.2", "adipose@0.9"),
+                                       ("SetKey", "beam.kev", "19"), ("SetPixelSpacing", 0.2, 0.2), ("SetKey", "beam.kev", ""))),
         (mammoray.vtkBreastCompression(), (("SetMaterialTable", "victre"), ("SetOrientation", "LAS"), ("SetThicknessMm", 45.0),
                                            ("SetMaterial", 1, 5.0, 0.48, False), ("ClearMaterials",))),
         (mammoray.vtkBreastMesher(), (("SetMaterialTable", "victre"), ("SetCellSizeMm", 3.0))),
@@ -146,7 +148,7 @@ open_cube.RemoveDeletedCells()
 leaking = mammoray.vtkXRayProjector(PixelSpacing=(0.1, 0.1), DetectorSize=(8, 8), DetectorOrigin=(-0.35, -0.35, -2),
                                     SourcePosition=(0, 0, 50))
 leaking.SetInputData(open_cube)
-leaking.SetLinearAttenuation(1, 0.5)
+leaking.SetKey("attenuations.1", "0.5/mm")
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
     leaking.Update()

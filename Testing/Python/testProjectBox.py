@@ -19,7 +19,7 @@ projector.SetSourcePosition(0, 0, 400)
 projector.SetDetectorOrigin(-9.5, -4.5, 0)
 projector.SetPixelSpacing(1, 1)
 projector.SetDetectorSize(20, 10)
-projector.SetLinearAttenuation(1, 0.05)
+projector.SetKey("attenuations.1", "0.05/mm")
 
 if not mammoray.devices():
     print("no Vulkan device")

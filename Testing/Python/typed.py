@@ -8,8 +8,8 @@ scene = mammoray.Scene(mammoray.Sample(mammoray.Mesh(numpy.zeros((3, 3)), [(0, 1
 image = scene.expose()
 pixels: numpy.ndarray = image.transmission
 thickness: float = mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre").thickness
-mammoray.vtkXRayProjector().SetSamples(3)
+mammoray.vtkXRayProjector().SetSourceToDetectorMm(600)
 mammoray.Beam(tube="W", kpv=30)  # wrong: a name
 mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre", thicknes=3)  # wrong: a name
-mammoray.vtkXRayProjector().SetSamples("three")  # wrong: a type
+mammoray.vtkXRayProjector().SetSourceToDetectorMm("three")  # wrong: a type
 name: int = mammoray.__version__  # wrong: a type

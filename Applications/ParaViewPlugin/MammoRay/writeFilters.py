@@ -61,8 +61,8 @@ def text(name, default, help, *, advanced=False):
     return make
 
 
-def shipped(name, default, pattern, label, help, *, empty=None):
-    """One of what is shipped, and a file of one's own that goes before it. empty: what an empty choice means."""
+def shipped(name, default, pattern, label, help, *, empty=None, key=None):
+    """One of what is shipped, and a file of one's own that goes before it. empty: what an empty choice means; key: that the file sets."""
     def make(proxy, data):
         entry = add(proxy, "StringVectorProperty", name=name, command="Set" + name, number_of_elements=1, default_values=default)
         domain = add(entry, "StringListDomain", name="shipped")
@@ -72,26 +72,41 @@ def shipped(name, default, pattern, label, help, *, empty=None):
         add(add(entry, "Hints"), "NoDefault")
         extension = pattern.rpartition(".")[2]
         chosen(name + "File", extension, label.capitalize(),
-               f"{help} of your own (.{extension}), which goes before {label}. Empty: none.".replace("shipped ", ""))(proxy, data)
+               f"{help} of your own (.{extension}), which goes before {label}. Empty: none.".replace("shipped ", ""), key=key)(proxy, data)
     return make
 
 
-def chosen(name, extension, kind, help):
-    """A file that users choose."""
+def of_key(name, key, help, *, words=(), advanced=False):
+    """A key of scene files as a text, empty where it is not set; words: to choose from."""
     def make(proxy, data):
-        entry = add(proxy, "StringVectorProperty", name=name, command="Set" + name, number_of_elements=1, default_values="")
+        entry = add(proxy, "StringVectorProperty", name=name, command="SetKey", initial_string=key, number_of_elements=1, default_values="",
+                    **({"panel_visibility": "advanced"} if advanced else {}))
+        if words:
+            domain = add(entry, "StringListDomain", name="words")
+            for word in ("", *words):
+                add(domain, "String", value=word)
+        add(entry, "Documentation", help)
+        add(add(entry, "Hints"), "NoDefault")
+    return make
+
+
+def chosen(name, extension, kind, help, *, key=None):
+    """A file that users choose. key: of scene files, which it sets in place of a property."""
+    def make(proxy, data):
+        command = {"command": "SetKey", "initial_string": key} if key else {"command": "Set" + name}
+        entry = add(proxy, "StringVectorProperty", name=name, number_of_elements=1, default_values="", **command)
         add(entry, "FileListDomain", name="files")
         add(entry, "Documentation", help)
         add(add(entry, "Hints"), "FileChooser", extensions=extension, file_description=kind)
     return make
 
 
-def table(empty=None):
-    return shipped("MaterialTable", "victre", "materials/*.json", "Material Table", "A shipped material table", empty=empty)
+def table(empty=None, key=None):
+    return shipped("MaterialTable", "victre", "materials/*.json", "Material Table", "A shipped material table", empty=empty, key=key)
 
 
-def spectrum(empty=None):
-    return shipped("Spectrum", "W28kVp_Rh50um_Be1mm", "spectra/*.spc", "Spectrum", "A shipped spectrum", empty=empty)
+def spectrum(empty=None, key=None):
+    return shipped("Spectrum", "W28kVp_Rh50um_Be1mm", "spectra/*.spc", "Spectrum", "A shipped spectrum", empty=empty, key=key)
 
 
 def source(name, port, types, help, *, optional=False):
@@ -175,8 +190,8 @@ FILTERS = {
         "X-rays tetrahedra with materials or closed surfaces. The picture lies where the detector is; its arrays are transmission, log attenuation "
         "and the path length in every material.",
         source("Input", 0, ["vtkUnstructuredGrid", "vtkPolyData"], "Tetrahedra with the cell array Material, or closed triangulated surfaces."),
-        table(),
-        spectrum("20 keV"),
+        table(key="materials"),
+        spectrum("20 keV", key="beam.spectrum"),
         yes_no("PlacedByInput", "1", "Source and detector stand as the input says, which Breast Compression and Breast Registration do; only pixel "
                "spacing, detector size and the distance of the source count then."),
         real("SourceToDetectorMm", "650", "Where the input places the detector."),
@@ -186,19 +201,23 @@ FILTERS = {
         real("RowDirection", "0 1 0", "Unit vector from a pixel to that of the next row.", advanced=True),
         real("PixelSpacing", "0.5 0.5", "Along rows and columns."),
         whole("DetectorSize", "240 400", "Of the detector."),
-        whole("Samples", "1", "Samples x samples rays per pixel; 1 to 16.", advanced=True),
-        yes_no("ParallelBeam", "0", "Parallel X-rays instead of a point source.", advanced=True),
-        real("BeamDirection", "0 0 -1", "In which parallel X-rays travel.", advanced=True),
-        yes_no("PhotonCounting", "0", "The detector counts photons instead of adding up their energy.", advanced=True),
-        real("PhotonsPerPixel", "0", "Mean number of photons that meet a pixel without the object, whose quantum noise is added; 0: no noise. Not with "
-             "Refraction.", range=("0", "1e12")),
-        whole("NoiseSeed", "0", "The same seed gives the same noise.", advanced=True),
-        yes_no("Scatter", "0", "Adds what breast tissue scatters onto the detector, by the thickness along each ray. Not with Refraction."),
-        *KERNELS,
-        one_of("Refraction", ("None", "Geometric", "Near field"), "Bends rays where they pass bodies, whose attenuations must be compositions (H2O, "
-               "Water, Liquid). Geometric: each ray carries its intensity to where it goes; Near field: transport of intensity. Without noise and "
-               "scatter; adds the array Deflection."),
-        real("BendDistanceMm", "0", "Of Refraction: from the bodies to the detector.", range=("0",), unless=("Refraction", 0)),
+        of_key("BeamDirection", "source.beam-direction", "Parallel X-rays that travel this way, '[0, 0, -1]', in place of a point source.", advanced=True),
+        of_key("Samples", "detector.samples", "Samples x samples rays per pixel; 1 to 16. Empty: 1.", advanced=True),
+        of_key("Response", "detector.response", "What the detector adds up. Empty: energy.", words=("energy", "counting"), advanced=True),
+        of_key("PhotonsPerPixel", "detector.photons", "Mean number of photons that meet a pixel without the object, whose quantum noise is added; empty: no "
+               "noise. Not with Refraction."),
+        of_key("NoiseSeed", "detector.seed", "The same seed gives the same noise. Empty: 0.", advanced=True),
+        of_key("Scatter", "scatter.method", "Adds what is scattered onto the detector: by kernels, from the thickness along each ray, or by following "
+               "photons through the materials. Not with Refraction.", words=("kernels", "monte-carlo")),
+        of_key("AirGapMm", "scatter.air-gap", "Of Scatter by kernels: from the back of the tissue to the detector, 0 to 200. Empty: 17."),
+        of_key("GridRatio", "scatter.grid.ratio", "Of Scatter: anti-scatter grid of lead before the detector, 1 to 30. Transmissions are relative to air "
+               "behind it. Empty: no grid."),
+        of_key("GridLinesPerCm", "scatter.grid.lines-per-cm", "Of the grid; 5 to 200. Empty: 31.", advanced=True),
+        of_key("GridSeptumUm", "scatter.grid.septum-um", "Thickness of the grid's septa. Empty: 65.", advanced=True),
+        of_key("Refraction", "refraction.law", "Bends rays where they pass bodies, whose attenuations must be compositions (H2O, Water, Liquid). geometric: "
+               "each ray carries its intensity to where it goes; near-field: transport of intensity. Without noise and scatter; adds the array Deflection.",
+               words=("geometric", "near-field")),
+        of_key("BendDistanceMm", "refraction.distance", "Of Refraction: from the bodies to the detector. Empty: from their middle."),
         METHOD,
         DEVICE),
     "BreastRegistration": (

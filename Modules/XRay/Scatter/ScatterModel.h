@@ -52,6 +52,7 @@ struct MAMMORAYXRAY_EXPORT ScatterKernels
   double MultipleAt(double energyKeV, std::size_t thickness) const;
   /// Throws InputError unless sizes fit and axes ascend.
   void Validate() const;
+  bool operator==(const ScatterKernels&) const = default;
 };
 
 /**

@@ -32,7 +32,7 @@ int main()
   projector->SetSourcePosition(0, 0, 400);
   projector->SetDetectorOrigin(3, 4, 0);
   projector->SetDetectorSize(1, 1);
-  projector->SetLinearAttenuation(1, 0.05);
+  projector->SetKey("attenuations.1", "0.05/mm");
   projector->Update();
 
   vtkDataArray* lengths = projector->GetOutput()->GetPointData()->GetArray("PathLength_1");

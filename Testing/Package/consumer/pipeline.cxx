@@ -49,8 +49,8 @@ int main()
   projector->SetSourcePosition(0, 6, 600);
   projector->SetDetectorOrigin(0, 9, -40);
   projector->SetDetectorSize(1, 1);
-  projector->SetLinearAttenuation(1, 0.05);
-  projector->SetLinearAttenuation(2, 0.08);
+  projector->SetKey("attenuations.1", "0.05/mm");
+  projector->SetKey("attenuations.2", "0.08/mm");
   std::string reason;
   mesher->Update();
   if (mammoray::ListDevices(&reason).empty() || mesher->GetOutput()->GetNumberOfCells() == 0)

@@ -155,6 +155,10 @@ class vtkBreastCompression(_Algorithm, _wrapped.vtkBreastCompression):
 class vtkXRayProjector(_Algorithm, _wrapped.vtkXRayProjector):
     __doc__ = _wrapped.vtkXRayProjector.__doc__
 
+    def SetKey(self, *arguments: Any) -> None:
+        """As the wrapped one; raises Error."""
+        _raising(super().SetKey, self, *arguments)
+
 
 class vtkBreastRegistration(_Algorithm, _wrapped.vtkBreastRegistration):
     __doc__ = _wrapped.vtkBreastRegistration.__doc__
