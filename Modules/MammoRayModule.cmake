@@ -1,6 +1,7 @@
 # What every MammoRay module needs: include path, warnings and language level, set on our targets only; and what the
 # modules need of VTK.
 #
+#   mammoray_find_tried(<package> <oldest> <newest> <argument of find_package>...)
 #   mammoray_configure_module(<target>)
 #   mammoray_vtk_components(<out-variable> <module>...)
 #
@@ -16,6 +17,18 @@ endif ()
 if (MAMMORAY_WARNINGS_AS_ERRORS)
   list(APPEND MAMMORAY_WARNING_FLAGS -Werror)
 endif ()
+
+# Versions from the oldest to the newest one were tried. Older ones are refused, newer ones are used with a warning: an
+# upper end given to find_package is ignored by ITK, CGAL, GDCM and Vulkan.
+macro (mammoray_find_tried package oldest newest)
+  find_package(${package} ${oldest} ${ARGN})
+  # As many numbers as `newest` has: 9.3 includes 9.3.1.
+  string(REGEX REPLACE "[0-9]+" "[0-9]+" mammoray_pattern "${newest}")
+  string(REGEX MATCH "^${mammoray_pattern}" mammoray_found "${${package}_VERSION}")
+  if (${package}_FOUND AND mammoray_found VERSION_GREATER "${newest}")
+    message(WARNING "${package}: expected ${oldest} to ${newest}, which were tried, found ${${package}_VERSION}")
+  endif ()
+endmacro ()
 
 # Headers are included as <mammoray/Module/Name.h>, from the build tree as from an installed copy.
 set(MAMMORAY_INCLUDE_DIR "${CMAKE_BINARY_DIR}/include")
