@@ -10,6 +10,7 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
@@ -207,6 +208,10 @@ void CheckOutputs(const ProjectArguments& arguments)
     CheckProjectionExtension(arguments.Output);
   }
   CheckOutputFile(arguments.Output);
+  if (!arguments.MakeKernels.empty())
+  {
+    CheckOutputFile(arguments.MakeKernels);
+  }
   if (!arguments.PathLengths.empty())
   {
     CheckProjectionExtension(arguments.PathLengths, true);
@@ -490,6 +495,28 @@ void PrintProjected(const ProjectArguments& arguments, const ProjectionJob& job)
     job.Device.DeviceName().c_str(), MethodName(job.Device.Method()).c_str());
 }
 
+/// Makes kernels of scatter for the scene, writes them, and gives them to it.
+void MakeKernels(const ProjectArguments& arguments, Exposer& exposer, Scene& scene,
+  const ProgressCallback& progress)
+{
+  if (arguments.MakeKernels.empty())
+  {
+    return;
+  }
+  Scene plain = scene;
+  plain.Scatter.Method = SceneScatter::Model::None;
+  plain.Scatter.Grid.reset();
+  plain.Detection = {};
+  plain.Field = {};
+  plain.Refraction.reset();
+  plain.BendDistanceMm.reset();
+  const Exposure seen = exposer.Expose(plain);
+  ScatterKernels kernels = KernelAxesOf(scene, *seen.Lengths);
+  FillScatterKernels(kernels, PhotonsPerSlab(kernels, scene.Scatter.Photons), 0, progress);
+  WriteScatterKernels(kernels, "made by mammoray project --make-kernels", arguments.MakeKernels);
+  scene.Scatter.Kernels = std::make_shared<const ScatterKernels>(std::move(kernels));
+}
+
 void Run(ProjectArguments& arguments)
 {
   CompleteScene(arguments);
@@ -529,6 +556,7 @@ void Run(ProjectArguments& arguments)
   }
   ReportProgress(progress, 0.2, "tracing rays");
   Exposer exposer(Program().Projector);
+  MakeKernels(arguments, exposer, scene, ShareOf(progress, 0.2, 0.4));
   const ProjectionJob job{ arguments, exposer, *surface, std::move(scene), parts };
   const std::string warning = RunAsked(job, gantry, mammogram, progress);
   const std::string dose = wantsDose

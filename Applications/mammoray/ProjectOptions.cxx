@@ -98,6 +98,9 @@ void DeclareProject(const OptionList& add, ProjectArguments& arguments)
   DeclareDetector(add, arguments);
   const OptionList scatter = add.Group("Scatter and dose");
   AddQuantities(scatter, "scatter.", arguments.Given);
+  scatter.Expert()("--make-kernels", arguments.MakeKernels,
+    "make kernels for the scene's materials and write them (.csv)\n(by Monte Carlo with "
+    "scatter.photons photons; --set scatter.kernels=FILE takes them)");
   AddQuantities(scatter, "dose", arguments.Given);
   DeclareSeries(add, arguments.Series);
   DeclareDualEnergy(add, arguments.DualEnergy);

@@ -45,6 +45,8 @@ struct ProjectArguments
   DicomPatient Patient;
   std::string Output;
   std::string PathLengths;
+  /// Where kernels that are made for the scene are written.
+  std::string MakeKernels;
   /// Whether the scene is printed in place of a picture.
   bool PrintScene = false;
 

@@ -20,8 +20,12 @@ namespace mammoray
  */
 MAMMORAYIO_EXPORT ScatterKernels ReadScatterKernels(const std::string& path);
 
-/// Reads the shipped kernels of breast tissue, scatter/breast.csv of the data directory.
-MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels();
+/// Writes such a table, with a comment as its first line. Throws InputError if it cannot.
+MAMMORAYIO_EXPORT void WriteScatterKernels(const ScatterKernels& kernels,
+  const std::string& comment, const std::string& path);
+
+/// Reads kernels from a path, or by their name from scatter/ of the data directory: "breast".
+MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels(const std::string& pathOrName = "breast");
 
 /**
  * Returns the elements that photons collide with in the table's materials. The compositions are
@@ -29,6 +33,8 @@ MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels();
  * spell; air is that near sea level. Throws InputError on a material without a known composition.
  */
 MAMMORAYIO_EXPORT std::vector<PhotonMaterial> MakePhotonMaterials(const MaterialTable& materials);
+/// The texts of the same compositions, by material; unchecked.
+MAMMORAYIO_EXPORT std::vector<std::string> PhotonCompositions(const MaterialTable& materials);
 }
 
 #endif

@@ -3,8 +3,10 @@
 
 #include "Private/InputFile.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <sstream>
@@ -36,6 +38,42 @@ const std::map<std::string, std::string>& ShippedCompositions()
   };
   return compositions;
 }
+
+void AddValues(const char* name, const char* format, const double* begin, const double* end,
+  std::string& text)
+{
+  text += name;
+  for (const double* value = begin; value != end; ++value)
+  {
+    char number[32];
+    std::snprintf(number, sizeof number, format, *value);
+    text += number;
+  }
+  text += '\n';
+}
+}
+
+void WriteScatterKernels(const ScatterKernels& kernels, const std::string& comment,
+  const std::string& path)
+{
+  kernels.Validate();
+  std::string text = "# " + comment + "\ncomposition," + kernels.Composition + "\n";
+  const auto add = [&](const char* name, const std::vector<double>& values)
+  { AddValues(name, ",%.5g", values.data(), values.data() + values.size(), text); };
+  add("density_g_per_cm3", { kernels.DensityGPerCm3 });
+  add("energies_keV", kernels.EnergiesKeV);
+  add("thicknesses_mm", kernels.ThicknessesMm);
+  add("gaps_mm", kernels.GapsMm);
+  add("radii_mm", kernels.RadiiMm);
+  add("angles_deg", kernels.AnglesDeg);
+  add("multiple", { kernels.Multiple.begin(), kernels.Multiple.end() });
+  const std::vector<double> shares(kernels.Shares.begin(), kernels.Shares.end());
+  const std::size_t size = kernels.NumberOfRings() * kernels.NumberOfAngles();
+  for (std::size_t begin = 0; begin < shares.size(); begin += size)
+  {
+    AddValues("shares", ",%.3g", &shares[begin], &shares[begin] + size, text);
+  }
+  WriteAtomicFile(path, text);
 }
 
 ScatterKernels ReadScatterKernels(const std::string& path)
@@ -100,23 +138,38 @@ ScatterKernels ReadScatterKernels(const std::string& path)
   return kernels;
 }
 
-ScatterKernels FindScatterKernels()
+ScatterKernels FindScatterKernels(const std::string& pathOrName)
 {
-  return ReadScatterKernels(
-    (std::filesystem::path(DataDirectory()) / "scatter" / "breast.csv").string());
+  const std::filesystem::path shipped =
+    std::filesystem::path(DataDirectory()) / "scatter" / (pathOrName + ".csv");
+  std::error_code none;
+  const bool isFile =
+    std::filesystem::exists(pathOrName, none) || !std::filesystem::exists(shipped, none);
+  return ReadScatterKernels(isFile ? pathOrName : shipped.string());
+}
+
+std::vector<std::string> PhotonCompositions(const MaterialTable& materials)
+{
+  std::vector<std::string> texts{ "Air, Dry (near sea level)" };
+  for (std::size_t material = 1; material < materials.Materials.size(); ++material)
+  {
+    const std::string& text = materials.Materials[material].Attenuation;
+    const auto shipped = ShippedCompositions().find(text);
+    texts.push_back(shipped == ShippedCompositions().end() ? text : shipped->second);
+  }
+  return texts;
 }
 
 std::vector<PhotonMaterial> MakePhotonMaterials(const MaterialTable& materials)
 {
-  std::vector<PhotonMaterial> made{ PhotonMaterial("Air, Dry (near sea level)", 0.001205) };
-  for (std::size_t material = 1; material < materials.Materials.size(); ++material)
+  const std::vector<std::string> texts = PhotonCompositions(materials);
+  std::vector<PhotonMaterial> made{ PhotonMaterial(texts[0], 0.001205) };
+  for (std::size_t material = 1; material < texts.size(); ++material)
   {
     const Material& of = materials.Materials[material];
-    const auto shipped = ShippedCompositions().find(of.Attenuation);
     try
     {
-      made.emplace_back(shipped == ShippedCompositions().end() ? of.Attenuation : shipped->second,
-        of.DensityGPerCm3);
+      made.emplace_back(texts[material], of.DensityGPerCm3);
     }
     catch (const InputError& error)
     {

@@ -76,6 +76,8 @@ struct MAMMORAYIO_EXPORT SceneDescription
   double PixelSpacingMm = 0.1;
   /// Edge of the voxels through which photons are followed.
   double VoxelMm = 1;
+  /// Kernels of scatter: "scene" where they are made for it, else as FindScatterKernels takes it.
+  std::string Kernels = "breast";
 
   /// All that needs no file. The steps of its detector are unit vectors; LoadScene multiplies them
   /// by PixelSpacingMm.

@@ -222,9 +222,11 @@ Scene MakeScene(SceneDescription description)
   {
     scene.OverlapPriority.push_back(IndexForKey(name, scene.Materials, "overlap-priority"));
   }
-  if (scene.Scatter.Method == SceneScatter::Model::Kernels)
+  scene.Scatter.Compositions = PhotonCompositions(scene.Materials);
+  if (scene.Scatter.Method == SceneScatter::Model::Kernels && description.Kernels != "scene")
   {
-    scene.Scatter.Kernels = std::make_shared<const ScatterKernels>(FindScatterKernels());
+    scene.Scatter.Kernels =
+      std::make_shared<const ScatterKernels>(FindScatterKernels(description.Kernels));
   }
   return scene;
 }

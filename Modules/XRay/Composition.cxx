@@ -381,6 +381,19 @@ CompositionParts ParseComposition(const std::string& text, const std::string& wh
   return found;
 }
 
+std::string MixtureText(const std::map<int, double>& massFractions)
+{
+  std::string text;
+  for (const auto& [element, fraction] : massFractions)
+  {
+    const std::unique_ptr<char, decltype(&xrlFree)> symbol(AtomicNumberToSymbol(element, nullptr),
+      xrlFree);
+    text += (text.empty() ? "" : " ") + std::string(symbol ? symbol.get() : "") + ":" +
+      NumberText(fraction);
+  }
+  return text;
+}
+
 double TakeDensity(std::string& material, const std::string& who)
 {
   const std::size_t at = material.rfind('@');

@@ -59,6 +59,8 @@ struct CompositionParts
 /// Throws InputError as RequireComposition does.
 MAMMORAYXRAY_EXPORT CompositionParts ParseComposition(const std::string& text,
   const std::string& who);
+/// The text of mass fractions by atomic number that sum to 1, "H:0.111894 O:0.888106".
+MAMMORAYXRAY_EXPORT std::string MixtureText(const std::map<int, double>& massFractions);
 }
 
 #endif

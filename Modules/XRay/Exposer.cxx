@@ -197,6 +197,10 @@ struct Exposer::Internals
   std::size_t KeptBytes = 0;
   std::size_t Traces = 0;
 
+  /// Kernels that were made, and what they were made of.
+  std::shared_ptr<const ScatterKernels> MadeKernels;
+  ScatterKernels MadeAxes;
+  double MadePhotons = 0;
   std::optional<ScatterKey> ModelKey;
   std::shared_ptr<const ScatterModel> Model;
 
@@ -310,21 +314,44 @@ struct Exposer::Internals
       return [&scene, progress](const PathLengthImage&, const std::vector<double>&)
       { return FollowScatter(scene, progress); };
     }
-    if (!scatter.Kernels)
+    if (!scatter.Kernels && scatter.Compositions.size() != scene.Materials.Materials.size())
     {
-      throw InputError("scatter: expected a table of kernels, found none");
+      throw InputError("scatter: expected a table of kernels, or compositions of all materials");
     }
-    ScatterKey key{ scatter.Kernels, scatter.AirGapMm, scatter.Grid, scene.XRays, scene.Response };
+    return
+      [this, &scene, progress](const PathLengthImage& lengths, const std::vector<double>& primary)
+    {
+      const auto model = this->ModelOf(scene, lengths, progress);
+      return model->Scatter(scene.Source, scene.Detector, TissueThickness(lengths), primary);
+    };
+  }
+
+  std::shared_ptr<const ScatterModel> ModelOf(const Scene& scene, const PathLengthImage& lengths,
+    const ProgressCallback& progress)
+  {
+    const SceneScatter& scatter = scene.Scatter;
+    std::shared_ptr<const ScatterKernels> kernels = scatter.Kernels;
+    if (!kernels)
+    {
+      ScatterKernels made = KernelAxesOf(scene, lengths);
+      if (!this->MadeKernels || this->MadeAxes != made || this->MadePhotons != scatter.Photons)
+      {
+        this->MadeAxes = made;
+        this->MadePhotons = scatter.Photons;
+        FillScatterKernels(made, PhotonsPerSlab(made, scatter.Photons), 0, progress);
+        this->MadeKernels = std::make_shared<const ScatterKernels>(std::move(made));
+      }
+      kernels = this->MadeKernels;
+    }
+    ScatterKey key{ kernels, scatter.AirGapMm, scatter.Grid, scene.XRays, scene.Response };
     if (this->ModelKey != key)
     {
-      this->Model = std::make_shared<const ScatterModel>(*scatter.Kernels, scene.XRays,
-        scene.Response, scatter.AirGapMm,
+      this->Model = std::make_shared<const ScatterModel>(*kernels, scene.XRays, scene.Response,
+        scatter.AirGapMm,
         scatter.Grid ? std::optional<AntiscatterGrid>(*scatter.Grid) : std::nullopt);
       this->ModelKey = std::move(key);
     }
-    return [model = this->Model, &scene](const PathLengthImage& lengths,
-             const std::vector<double>& primary)
-    { return model->Scatter(scene.Source, scene.Detector, TissueThickness(lengths), primary); };
+    return this->Model;
   }
 };
 

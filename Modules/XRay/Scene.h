@@ -42,15 +42,18 @@ struct SceneScatter
   enum class Model
   {
     None,
-    /// By ScatterModel, from the thickness of the tissue along each ray. For soft tissue.
+    /// By ScatterModel, from the thickness of all materials along each ray.
     Kernels,
     /// By FollowPhotons, through voxels of any materials.
     MonteCarlo
   };
   Model Method = Model::None;
-  /// For Kernels: their table, and the distance from the back of the tissue to the detector, 0 to
-  /// 200 mm.
+  /// For Kernels: their table. Null: Exposer makes it (KernelAxesOf) with Photons, and keeps it
+  /// until another is needed.
   std::shared_ptr<const ScatterKernels> Kernels;
+  /// For kernels that are made: compositions by material, as ParseComposition reads them.
+  std::vector<std::string> Compositions;
+  /// For Kernels: the distance from the back of the bodies to the detector, 0 to 2000 mm.
   double AirGapMm = 17;
   /// For MonteCarlo and Scene::Dose: the voxels, and the number of photons, 1 to 1e12.
   std::shared_ptr<const VoxelScene> Voxels;

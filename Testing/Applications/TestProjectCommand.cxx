@@ -310,6 +310,19 @@ TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
   EXPECT_NEAR(kernels, followed, 0.15 * followed);
   EXPECT_LT(middle(" --scatter kernels --set scatter.grid.ratio=5") - primary, 0.4 * kernels);
   EXPECT_LT(middle(" --scatter kernels --set scatter.air-gap=100") - primary, 0.7 * kernels);
+  // Of its own materials; from a file the same but for three digits. The brick is as small.
+  const std::string quick = " --scatter kernels --set scatter.photons=1e5 --make-kernels ";
+  const std::string file = this->Folder.File("kernels.csv");
+  const double made = middle(quick + file) - primary;
+  EXPECT_NEAR(made, followed, 0.15 * followed);
+  EXPECT_NEAR(middle(" --scatter kernels --set scatter.kernels=" + file) - primary, made,
+    0.005 * made);
+  EXPECT_NEAR(middle(" --scatter kernels --set scatter.photons=1e5 --set scatter.kernels=scene") -
+      primary,
+    made, 1e-6 * primary);
+  this->ExpectRefused(this->Inputs + " --scatter kernels --set scatter.kernels=none.csv -o " +
+      this->Image,
+    "none.csv");
 }
 
 TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)

@@ -170,7 +170,8 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
       "scintillator": "CsI@4.51:0.15", "photons": 10000.5, "electronic-noise": 5,
       "half-modulation": 4, "seed": 7 },
     "beam": { "tube": "W", "kvp": 27.5, "target-angle": 15, "filter": [ "Mo:0.03", "Al:1" ] },
-    "scatter": { "method": "kernels", "air-gap": 15, "photons": 1000000, "voxel": 2,
+    "scatter": { "method": "kernels", "kernels": "scene", "air-gap": 15, "photons": 1000000,
+      "voxel": 2,
       "grid": { "ratio": 6, "lines-per-cm": 40, "septum-um": 50, "interspace": "air" } },
     "refraction": { "law": "near-field", "distance": 2 }, "dose": true })";
   const std::string written = WriteScene(ReadScene(folder.Write("scene.json", all)));

@@ -16,6 +16,7 @@ LIKE = {
     "axis-point": (mr.turn, "axis_point"), "pivot-height": (mr.tomosynthesis, "pivot_height"),
     "flat-fields": (mr.Series.flat_fields, "count"), "high": (mr.dual_energy, "high"), "cancel": (mr.dual_energy, "cancel"),
     "cancel-thickness": (mr.dual_energy, "thickness"), "device": (mr.Projector, "device"), "projector": (mr.Projector, "method"),
+    "make-kernels": (mr.Scatter, "kernels"),
     **{name.replace("_", "-"): (mr.Scene.place_unit, name)
        for name in ("orientation", "thickness", "roll", "pitch", "yaw", "lateral", "anterior", "vertical", "tilt", "source_to_detector",
                     "support_height", "anchor")}}

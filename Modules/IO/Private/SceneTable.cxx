@@ -457,19 +457,22 @@ std::vector<SceneRow> ScatterRows()
   return {
     ChoiceRow(
       Other(Kind::Word, "scatter.method", "",
-        "add what tissue scatters\n(by kernels, tabulated for breast tissue by the thickness along "
-        "each ray, or by following scatter.photons photons through the materials, whose "
-        "compositions must be known)",
+        "add what is scattered\n(by kernels, from the thickness along each ray, or by following "
+        "scatter.photons photons through the materials, whose compositions must be known)",
         Use::Daily),
       MEMBER(Fixed.Scatter.Method),
       std::vector<std::pair<const char*, Model>>{ { "kernels", Model::Kernels },
         { "monte-carlo", Model::MonteCarlo } }),
-    Row(Length("scatter.air-gap", 0, 200,
+    Row(Other(Kind::FileOrName, "scatter.kernels", "",
+          "kernels: those of breast tissue (breast), made for the scene's materials by Monte Carlo "
+          "with scatter.photons photons (scene), or a file"),
+      MEMBER(Kernels)),
+    Row(Length("scatter.air-gap", 0, 2000,
           "of kernels: from the back of the tissue to the detector\n(of 'mammoray project' by "
           "default the height of the unit's support)"),
       MEMBER(Fixed.Scatter.AirGapMm)),
     Row(Number("scatter.photons", "", 1, 1e12,
-          "photons to follow for each picture, and for the dose"),
+          "photons to follow for each picture, for the dose, and for kernels of the scene"),
       MEMBER(Fixed.Scatter.Photons)),
     Row(Length("scatter.voxel", 0.05, 10, "edge of the voxels through which photons are followed"),
       MEMBER(VoxelMm)),

@@ -2,18 +2,22 @@
 #ifndef mammoray_ScatterModel_h
 #define mammoray_ScatterModel_h
 
+#include "mammoray/Foundation/Progress.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammoray/XRay/Scatter/Photons.h"
 #include "mammorayXRayModule.h"
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
+struct Scene;
+
 /**
  * Scatter of a thin beam of photons through an infinite slab of tissue, at right angles, onto a
  * plane behind it. By photon energy, slab thickness and distance from the slab's back to the plane:
@@ -56,23 +60,44 @@ struct MAMMORAYXRAY_EXPORT ScatterKernels
 };
 
 /**
- * Scatter of a breast between plates by superposition of kernels: the primary signal at each place
- * sends a share to all places around, which depends on the thickness of the tissue there. Shares
- * are those of slabs (ScatterKernels), averaged over the spectrum behind that thickness, and behind
- * the grid if there is one.
+ * Sets Shares and Multiple of a table with axes by Monte Carlo, with `photons`, at least 1, for
+ * each energy and thickness. The same numbers give the same table on any number of cores. Where a
+ * slab lets less than exp(-80) of the photons through, the shares are 0. Throws InputError on axes
+ * and a composition that cannot be used.
+ */
+MAMMORAYXRAY_EXPORT void FillScatterKernels(ScatterKernels& kernels, std::int64_t photons,
+  std::uint64_t seed, const ProgressCallback& progress = {});
+
+/**
+ * Axes and material of kernels for what a scene shows: thicknesses up to the longest path through
+ * its materials, which is rounded up; the energies that pass them; gaps that thinner places have;
+ * rings as wide as the detector. The material is the mean of those along the rays, by mass, in
+ * hundredths of their volumes. Throws InputError on a material that rays meet without a known
+ * composition, and where they meet none. Fill it with FillScatterKernels.
+ */
+MAMMORAYXRAY_EXPORT ScatterKernels KernelAxesOf(const Scene& scene, const PathLengthImage& lengths);
+/// Photons for each energy and thickness, if the table is made with about `photons` in all.
+MAMMORAYXRAY_EXPORT std::int64_t PhotonsPerSlab(const ScatterKernels& kernels, double photons);
+
+/**
+ * Scatter of a breast between plates, or of another flat body, by superposition of kernels: the
+ * primary signal at each place sends a share to all places around, which depends on the thickness
+ * of the tissue there. Shares are those of slabs (ScatterKernels), averaged over the spectrum
+ * behind that thickness, and behind the grid if there is one.
  *
  * Where the breast is thinner than at its thickest place, both of its surfaces are assumed to
  * recede by the same amount: half of the missing thickness widens the gap. Multiple scatter is
  * assumed to need tissue within two mean free paths: its share falls with the tissue that is
  * missing there. The divergence of the beam shifts the origin of scatter, at half the thickness,
  * towards the foot of the source. Plates, and photons that leave through the breast's side and meet
- * the detector beside it, are neglected. For soft tissue.
+ * the detector beside it, are neglected. A scattered photon's signal is taken to be in proportion
+ * to its energy.
  */
 class MAMMORAYXRAY_EXPORT ScatterModel
 {
 public:
-  /// `gapMm`: from the back of the tissue, where it is thickest, to the detector, 0 to 200. Throws
-  /// InputError on a gap out of range.
+  /// `gapMm`: from the back of the tissue, where it is thickest, to the detector, 0 to 200 or to
+  /// the largest gap of the table. Throws InputError on a gap out of range.
   ScatterModel(const ScatterKernels& kernels, const Spectrum& spectrum,
     const DetectorResponse& response, double gapMm,
     const std::optional<AntiscatterGrid>& grid = {});
@@ -133,8 +158,8 @@ private:
   double GapMm;
   /// By thickness: fraction of scatter that is multiple.
   std::vector<double> Multiple;
-  /// Mean free path of the photons behind 40 mm, mm.
-  double FreePathMm = 0;
+  /// Distance along the body from which multiple scatter comes (one standard deviation), mm.
+  double ReachMm = 0;
   /// By thickness and gap.
   std::vector<std::vector<RingShares>> Rings;
 };

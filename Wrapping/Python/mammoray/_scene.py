@@ -279,6 +279,7 @@ class Scatter(_Part):
     """Scattered photons, and the grid before the detector. Lengths are mm."""
     _prefix: ClassVar[str] = "scatter."
     method: Optional[str] = None
+    kernels: Optional[str] = None
     air_gap: Optional[float] = None
     photons: Optional[float] = None
     voxel: Optional[float] = None
