@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written is read again, stands in docs/reference/commands/result-keys.md, and is refused in one
-// line where it is damaged.
+// What is written is read again, stands in docs/reference/commands/result-keys.md, and is refused
+// in one line where it is damaged.
 #include "Files.h"
 #include "Refusals.h"
 #include "TestResults.h"
@@ -51,7 +51,8 @@ void CollectFields(const Json& json, const std::string& prefix, std::set<std::st
 /// The first cells of the tables below a heading of docs/reference/commands/result-keys.md.
 std::set<std::string> DocumentedFields(const std::string& heading)
 {
-  std::string text = test::ReadFile(test::DataFolder() + "/../docs/reference/commands/result-keys.md");
+  std::string text =
+    test::ReadFile(test::DataFolder() + "/../docs/reference/commands/result-keys.md");
   const std::size_t begin = text.find("\n## " + heading + "\n");
   EXPECT_NE(begin, std::string::npos) << heading;
   text = text.substr(begin + 1);

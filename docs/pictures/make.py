@@ -480,12 +480,21 @@ def draw_correction(tools):
     draw("correct-changed.png", mri[k][cut], labels[k][cut], spacing, wrong[cut])
 
 
-GALLERY = {f"gallery-{script.stem}.png": script for script in sorted((root / "docs/gallery").glob("*.py"))}
+GALLERY = {f"gallery-{script.stem}.png": script for kind in ("*.py", "*.cxx") for script in sorted((root / "docs/gallery").glob(kind))}
 
 
 def draw_gallery(tools, script):
-    run_script(tools, script)
-    (here / f"gallery-{script.stem}.png").write_bytes((tools.work / f"{script.stem}.png").read_bytes())
+    """The picture that a script or a program of the gallery writes. The test Docs.Gallery.Build builds the programs."""
+    from PIL import Image
+    if script.suffix == ".py":
+        run_script(tools, script)
+    else:
+        program = tools.programs.parent / "Testing/Docs/programs" / script.stem
+        subprocess.run([program, tools.work], check=True, cwd=root, stdout=subprocess.DEVNULL)
+    made = next(tools.work.glob(f"{script.stem}.p?m"), tools.work / f"{script.stem}.png")
+    drawn = Image.open(made)
+    drawn.thumbnail((672, 480))
+    drawn.save(here / f"gallery-{script.stem}.png", optimize=True)
 
 
 for name, script in GALLERY.items():
@@ -521,7 +530,7 @@ def main():
     drawn = json.loads(DRAWN.read_text()) if DRAWN.exists() else {}
     done = []
     with tempfile.TemporaryDirectory(prefix="pictures-") as folder:
-        tools = Tools(given.programs.resolve(), given.demo.resolve() if given.demo else None, pathlib.Path(folder))
+        tools = Tools(given.programs.absolute(), given.demo.resolve() if given.demo else None, pathlib.Path(folder))
         for name in given.names or PICTURES:
             function = PICTURES[name]
             if function not in done:
