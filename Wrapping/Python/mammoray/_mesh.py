@@ -2,6 +2,8 @@
 """Surfaces and tetrahedra, from files, from objects of other packages and from arrays."""
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 from collections.abc import Sequence
 from typing import Any, Optional, Union
@@ -90,8 +92,8 @@ def _are_flat(points: NDArray[Any], cells: NDArray[Any]) -> bool:
 def read_mesh(source: Any, unit: Optional[str] = None) -> Mesh:
     """A Mesh of a file or of another package's object.
 
-    source: a file (.stl .ply .obj .vtp .glb .gltf .msh .vtu .vtk); vtkPolyData or vtkUnstructuredGrid; a meshio.Mesh; a
-        trimesh.Trimesh; or arrays (points, cells) or (points, cells, regions), as Mesh has them
+    source: a file (.stl .ply .obj .vtp .glb .gltf .msh .vtu .vtk; without VTK .stl and what meshio reads); vtkPolyData or
+        vtkUnstructuredGrid; a meshio.Mesh; a trimesh.Trimesh; or arrays (points, cells) or (points, cells, regions), as Mesh has them
     unit: of its numbers: "um", "mm", "cm", "m" or "in". Default: mm, of glTF m
 
     Regions are those of the cell arrays "FrontMaterial" and "BackMaterial" or "Material", of gmsh's physical groups and medit's
@@ -124,11 +126,28 @@ def _read_file(path: str, mm: Optional[float]) -> Mesh:
         for note in notes:
             warn(note)
         return Mesh(points, cells, regions, names)
-    if os.path.splitext(path)[1].lower() == ".stl":
-        points, cells = _read_stl(path)
-        return Mesh(points * (1.0 if mm is None else mm), cells)
-    raise InputError(f"{path}: expected .stl, which this copy without VTK reads, found another; meshio and trimesh read more: "
-                     "mammoray.read_mesh(trimesh.load(path))")
+    if not os.path.exists(path):
+        raise InputError(f"{path}: no such file")
+    points, cells, regions = (*_read_stl(path), None) if os.path.splitext(path)[1].lower() == ".stl" else _read_by_meshio(path)
+    try:
+        return Mesh(array_of(points, "points", (None, 3)) * (1.0 if mm is None else mm), cells, regions)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _read_by_meshio(path: str) -> tuple[Any, Any, Any]:
+    try:
+        import meshio
+    except ImportError:
+        raise InputError(f"{path}: expected .stl, or the package meshio for other meshes (pip install meshio), found neither; this copy "
+                         "is without VTK") from None
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            read = meshio.read(path)
+    except (Exception, SystemExit) as error:  # it exits where no format fits
+        raise InputError(f"{path}: meshio cannot read it: {' '.join((said.getvalue() or str(error)).split())}") from None
+    return _of_meshio(read)
 
 
 def _read_stl(path: str) -> tuple[NDArray[numpy.float64], NDArray[Any]]:
