@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Half a ball of fat on a plate of muscle, compressed and X-rayed as by a mammography unit."""
+"""Half a ball of fat on a plate of muscle, compressed and X-rayed as by a mammography unit. Needs VTK."""
 import sys
 
 import mammoray as mr
