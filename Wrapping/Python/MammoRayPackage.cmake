@@ -2,7 +2,7 @@
 find_package(pybind11 2.10 REQUIRED)
 pybind11_add_module(_xray MODULE NO_EXTRAS "${CMAKE_CURRENT_LIST_DIR}/xray.cxx")
 set(MAMMORAY_PYTHON_SOURCES)
-foreach (name IN ITEMS __init__ _breast _errors _filters _mesh _scene _values)
+foreach (name IN ITEMS __init__ _breast _errors _filters _mesh _scene _values torch)
   list(APPEND MAMMORAY_PYTHON_SOURCES "${CMAKE_CURRENT_LIST_DIR}/mammoray/${name}.py")
 endforeach ()
 foreach (name IN ITEMS _xray.pyi py.typed)
