@@ -427,6 +427,10 @@ void SceneDescription::Validate() const
   {
     throw InputError("response: expected a table or a scintillator, found both");
   }
+  if (!this->LineSpread.empty() && this->Fixed.Detection.HalfModulationPerMm > 0)
+  {
+    throw InputError("detector: expected half-modulation or line-spread, found both");
+  }
 }
 
 double LengthUnitMm(const std::string& name)

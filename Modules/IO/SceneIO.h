@@ -73,6 +73,8 @@ struct MAMMORAYIO_EXPORT SceneDescription
   std::string Scintillator;
   /// The detector's response in a file (ReadDetectorResponse); excludes a scintillator.
   std::string ResponseTable;
+  /// The detector's line spread function in a file (ReadLineSpread); excludes a half modulation.
+  std::string LineSpread;
   double PixelSpacingMm = 0.1;
   /// Edge of the voxels through which photons are followed.
   double VoxelMm = 1;

@@ -191,7 +191,10 @@ void CompleteUnit(SceneDescription& scene)
   standard("source.heel.angle", "20");
   standard("scatter.method", "kernels");
   standard("scatter.grid.ratio", "5");
-  standard("detector.half-modulation", "5");
+  if (!scene.Has("detector.line-spread"))
+  {
+    standard("detector.half-modulation", "5");
+  }
   standard("detector.electronic-noise", "5");
   if (!scene.Has("detector.photons"))
   {
@@ -209,6 +212,10 @@ Scene MakeScene(SceneDescription description)
   scene.Materials = MaterialsOf(description);
   scene.XRays = FindSpectrum(description);
   scene.Response = ResponseOf(description);
+  if (!description.LineSpread.empty())
+  {
+    scene.Detection.Spread = ReadLineSpread(description.LineSpread);
+  }
   for (const SurfaceSample& sample : description.Samples)
   {
     AddSample(sample, scene);

@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/XRay/Beam.h"
+#include "mammoray/XRay/Exposure.h"
 #include "mammorayIOModule.h"
 
 #include <string>
@@ -44,6 +45,11 @@ MAMMORAYIO_EXPORT std::string FindMaterialTablePath(const std::string& pathOrNam
 /// Reads the signal that a detector gets from a photon: lines of an energy (keV), a comma and the
 /// signal in any unit. `#` begins a comment. Throws InputError, which names the line.
 MAMMORAYIO_EXPORT DetectorResponse ReadDetectorResponse(const std::string& path);
+
+/// Reads a detector's line spread function: lines of a distance from the line, mm, a comma and a
+/// value in any unit. With negative distances, which begin on the other side of the line, the mean
+/// of both sides counts. `#` begins a comment. Throws InputError, which names the line.
+MAMMORAYIO_EXPORT LineSpread ReadLineSpread(const std::string& path);
 
 /// Returns the attenuation of a material with its iodine. Throws InputError, which names the
 /// material.

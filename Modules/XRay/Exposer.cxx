@@ -58,11 +58,14 @@ void RefuseIrreversible(const Scene& scene)
   const char* const found = scene.Refraction                                 ? "refraction"
     : scene.Scatter.Method != SceneScatter::Model::None || detection.Scatter ? "scatter"
     : detection.PhotonsPerPixel > 0                                          ? "noise"
+    : detection.HasPixelErrors()                                             ? "errors of pixels"
                                                                              : nullptr;
   if (found)
   {
     throw InputError(
-      std::string("gradient: expected an exposure without noise, scatter and refraction, found ") +
+      std::string(
+        "gradient: expected an exposure without noise, errors of pixels, scatter and refraction, "
+        "found ") +
       found);
   }
 }
@@ -86,9 +89,9 @@ std::vector<double> LossBehindDetector(const Scene& scene, const Exposer::Loss& 
     return values;
   }
   const ExposureOptions options = WithField(scene);
-  if (options.HalfModulationPerMm > 0)
+  if (options.HasBlur())
   {
-    TransposeBlur(scene.Detector, options.HalfModulationPerMm, values);
+    TransposeBlur(scene.Detector, options, values);
   }
   for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
   {

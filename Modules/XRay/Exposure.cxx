@@ -80,6 +80,18 @@ void AddLengths(const PathLengthImage& image, float weight, std::shared_ptr<Path
   }
 }
 
+/// Seed of what is the detector's, whatever its noise.
+constexpr std::uint64_t PixelSeed = 0x70697865;
+/// Share of the largest count that the open beam has.
+constexpr double OpenShare = 0.8;
+
+/// A number of the normal distribution: two others make one (Box and Muller 1958).
+double NormalNumber(RandomStream& random)
+{
+  const double radius = std::sqrt(-2 * std::log(random.Uniform()));
+  return radius * std::cos(2 * std::numbers::pi * random.Uniform());
+}
+
 /// `mean` photons' worth of signal with `variance`, both per incident photon.
 double NoisyTransmission(double mean, double variance, double photons, RandomStream& random)
 {
@@ -155,21 +167,37 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
           NoisyTransmission(transmission[pixel], variance[pixel], options.PhotonsPerPixel, random);
       });
   }
-  if (options.HalfModulationPerMm > 0)
+  if (options.HasBlur())
   {
-    BlurImage(detector, options.HalfModulationPerMm, transmission);
+    BlurImage(detector, options, transmission);
+  }
+  if (options.GainSpread > 0 || options.DeadPixels > 0)
+  {
+    ForEachPixel(transmission.size(),
+      [&](std::size_t pixel)
+      {
+        RandomStream random(PixelSeed, pixel);
+        const double gain = 1 + options.GainSpread * NormalNumber(random);
+        transmission[pixel] *= random.Uniform() < options.DeadPixels ? 0 : std::max(gain, 0.0);
+      });
   }
   if (options.ElectronicNoisePhotons > 0)
   {
     ForEachPixel(transmission.size(),
       [&](std::size_t pixel)
       {
-        // Two numbers of another stream make a normal one (Box and Muller 1958).
-        RandomStream random(~options.Seed, pixel);
-        const double radius = std::sqrt(-2 * std::log(random.Uniform()));
-        const double normal = radius * std::cos(2 * std::numbers::pi * random.Uniform());
-        transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
+        RandomStream random(~options.Seed, pixel); // another stream
+        transmission[pixel] +=
+          options.ElectronicNoisePhotons / options.PhotonsPerPixel * NormalNumber(random);
       });
+  }
+  const double most = std::exp2(options.Bits) - 1;
+  for (std::size_t pixel = 0; options.HasPixelErrors() && pixel < transmission.size(); ++pixel)
+  {
+    const double signal = transmission[pixel] + options.DarkLevel;
+    transmission[pixel] = options.Bits == 0
+      ? signal
+      : std::clamp(std::round(OpenShare * most * signal), 0.0, most) / (OpenShare * most);
   }
 }
 
@@ -189,8 +217,8 @@ Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
       " pixels, found " + std::to_string(options.OpenField.size()));
   }
   Exposure exposure;
-  if (views.size() == 1 && !noise && options.OpenField.empty() &&
-    options.HalfModulationPerMm == 0 && !options.Scatter)
+  if (views.size() == 1 && !noise && options.OpenField.empty() && !options.HasBlur() &&
+    !options.HasPixelErrors() && !options.Scatter)
   {
     exposure.Lengths = pathLengths(views.front().Source, views.front().Detector);
     exposure.Transmission = beam.Transmission(*exposure.Lengths);
@@ -245,6 +273,18 @@ void ExposureOptions::Validate() const
     RequireBetween("exposure", "half modulation (cycles per mm)", this->HalfModulationPerMm, 0.1,
       1000);
   }
+  RequireBetween("exposure", "a spread of gains", this->GainSpread, 0, 0.5);
+  RequireBetween("exposure", "a fraction of dead pixels", this->DeadPixels, 0, 0.5);
+  RequireBetween("exposure", "a dark level", this->DarkLevel, 0, 10);
+  if (this->Bits != 0)
+  {
+    RequireBetween("exposure", "bits", this->Bits, 8, 16);
+  }
+  this->Spread.Validate();
+  if (this->HalfModulationPerMm > 0 && !this->Spread.DistancesMm.empty())
+  {
+    throw InputError("exposure: expected a half modulation or a line spread, found both");
+  }
   if (this->ElectronicNoisePhotons > 0 && !(this->PhotonsPerPixel > 0))
   {
     throw InputError("exposure: expected photons per pixel for electronic noise, found none");
@@ -256,6 +296,49 @@ void ExposureOptions::Validate() const
       throw InputError(
         "exposure: expected an open field that is not negative, found " + std::to_string(value));
     }
+  }
+}
+
+double LineSpread::Transfer(double cyclesPerMm) const
+{
+  const double w = 2 * std::numbers::pi * cyclesPerMm;
+  double area = 0;
+  double sum = 0;
+  for (std::size_t node = 1; node < this->DistancesMm.size(); ++node)
+  {
+    const double x0 = this->DistancesMm[node - 1];
+    const double x1 = this->DistancesMm[node];
+    const double v0 = this->Values[node - 1];
+    const double v1 = this->Values[node];
+    const double piece = 0.5 * (v0 + v1) * (x1 - x0);
+    area += piece;
+    // The integral of (v0 + s (x - x0)) cos(w x) by parts; of short waves only.
+    sum += w * (x1 - x0) < 1e-4 ? piece * std::cos(0.5 * w * (x0 + x1))
+                                : (v1 * std::sin(w * x1) - v0 * std::sin(w * x0)) / w +
+        (v1 - v0) / (x1 - x0) * (std::cos(w * x1) - std::cos(w * x0)) / (w * w);
+  }
+  return sum / area;
+}
+
+void LineSpread::Validate() const
+{
+  const std::vector<double>& x = this->DistancesMm;
+  if (x.empty() && this->Values.empty())
+  {
+    return;
+  }
+  const bool ascends =
+    std::adjacent_find(x.begin(), x.end(), [](double a, double b) { return !(a < b); }) == x.end();
+  const bool areValues = std::all_of(this->Values.begin(), this->Values.end(),
+    [](double value) { return value >= 0 && std::isfinite(value); });
+  const bool hasArea =
+    std::any_of(this->Values.begin(), this->Values.end(), [](double value) { return value > 0; });
+  if (x.size() < 2 || x.size() != this->Values.size() || x.front() != 0 || !ascends ||
+    !std::isfinite(x.back()) || !areValues || !hasArea)
+  {
+    throw InputError(
+      "line spread: expected two values or more that are not negative, not all 0, at "
+      "distances that ascend from 0");
   }
 }
 }

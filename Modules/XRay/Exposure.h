@@ -21,6 +21,20 @@ namespace mammoray
 using ScatterFunction =
   std::function<std::vector<double>(const PathLengthImage&, const std::vector<double>&)>;
 
+/// A detector's line spread function, symmetric: values in any common unit, not negative, at
+/// distances from the line, mm, ascending from 0; linear in between, and 0 beyond the last.
+struct MAMMORAYXRAY_EXPORT LineSpread
+{
+  std::vector<double> DistancesMm;
+  std::vector<double> Values;
+
+  /// The modulation transfer at a frequency, cycles per mm; 1 at 0.
+  double Transfer(double cyclesPerMm) const;
+  /// Throws InputError unless it is as above, with an area. An empty one is.
+  void Validate() const;
+  bool operator==(const LineSpread&) const = default;
+};
+
 /// What a real exposure adds to path lengths and the Beer-Lambert law.
 struct MAMMORAYXRAY_EXPORT ExposureOptions
 {
@@ -45,12 +59,33 @@ struct MAMMORAYXRAY_EXPORT ExposureOptions
   /// 1/2, cycles per mm, 0.1 to 1000. The pixel's aperture comes from its samples. Blurs signal and
   /// quantum noise. 0: no blur.
   double HalfModulationPerMm = 0;
+  /// Blurs as it does, in its place, by the detector's modulation transfer up to 64 pixels far.
+  LineSpread Spread;
+  /// Standard deviation of the pixels' gains, relative to 1, 0 to 0.5, and the fraction of pixels
+  /// that give no signal, 0 to 0.5. Both are the detector's: the same in every picture. They act
+  /// on what is detected, before electronic noise.
+  double GainSpread = 0;
+  double DeadPixels = 0;
+  /// Signal without photons, which is added last, relative to that of the open beam, 0 to 10.
+  double DarkLevel = 0;
+  /// The signal becomes a number of so many bits, 8 to 16, where the open beam has 4/5 of the
+  /// largest; it stays relative to the open beam. 0: it stays as it is.
+  int Bits = 0;
   /// Standard deviation of the electronic noise, in mean signals of one photon; needs
   /// PhotonsPerPixel. 0 to 1e6.
   double ElectronicNoisePhotons = 0;
   /// Seed of the noise. The same seed gives the same image for any number of threads.
   std::uint64_t Seed = 0;
 
+  bool HasBlur() const
+  {
+    return this->HalfModulationPerMm > 0 || !this->Spread.DistancesMm.empty();
+  }
+  /// Whether pixels differ from each other, or from what they detect.
+  bool HasPixelErrors() const
+  {
+    return this->GainSpread > 0 || this->DeadPixels > 0 || this->DarkLevel > 0 || this->Bits > 0;
+  }
   /// Throws InputError, which names the value, if one is out of its range.
   void Validate() const;
 };
@@ -122,7 +157,8 @@ using PathLengthFunction =
  * Quantum noise: detected photons are Poisson distributed. This is exact for counting detectors and
  * single energies. The sum over energies of an integrating detector has the exact mean and variance
  * and the shape of a scaled Poisson distribution (Bohm and Zech, Nucl. Instrum. Methods A 748,
- * 2014). Then the detector's blur mixes pixels; electronic noise comes last.
+ * 2014). Then the detector's blur mixes pixels, which have their gains; electronic noise, the dark
+ * level and counting come last.
  *
  * Exposer calls it with the path lengths of a scene. Throws InputError on options out of range, on
  * an open field or scatter of another size and on a focal spot with a parallel beam.

@@ -46,8 +46,8 @@ void Scene::Validate() const
   {
     throw InputError("grid: expected scatter beside it, found none");
   }
-  const bool isDetected = this->Detection.PhotonsPerPixel > 0 ||
-    this->Detection.HalfModulationPerMm > 0 || this->Detection.FocalSpotColumnMm > 0 ||
+  const bool isDetected = this->Detection.PhotonsPerPixel > 0 || this->Detection.HasBlur() ||
+    this->Detection.HasPixelErrors() || this->Detection.FocalSpotColumnMm > 0 ||
     this->Detection.FocalSpotRowMm > 0 || !this->Detection.OpenField.empty();
   if (this->Refraction && (isDetected || this->HasField() || scatters))
   {

@@ -168,7 +168,8 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
     "detector": { "origin": [1, 2, 3], "column-direction": [0, 1, 0], "row-direction": [-1, 0, 0],
       "columns": 4, "rows": 3, "pixel-spacing": 0.07, "samples": 2, "response": "counting",
       "scintillator": "CsI@4.51:0.15", "photons": 10000.5, "electronic-noise": 5,
-      "half-modulation": 4, "seed": 7 },
+      "half-modulation": 4, "gain-spread": 0.01, "dead-pixels": 0.001, "dark-level": 0.02,
+      "bits": 14, "seed": 7 },
     "beam": { "tube": "W", "kvp": 27.5, "target-angle": 15, "filter": [ "Mo:0.03", "Al:1" ] },
     "scatter": { "method": "kernels", "kernels": "scene", "air-gap": 15, "photons": 1000000,
       "voxel": 2,
@@ -184,7 +185,8 @@ TEST(SceneIO, WhatIsWrittenIsReadAgain)
     }
     const std::string last = quantity.Key.substr(quantity.Key.rfind('.') + 1);
     const bool isOther = quantity.Key.starts_with("mesh") || last == "kev" || last == "spectrum" ||
-      last == "energies" || last == "beam-direction" || last == "response-table";
+      last == "energies" || last == "beam-direction" || last == "response-table" ||
+      last == "line-spread";
     EXPECT_EQ(written.find('"' + last + '"') == std::string::npos, isOther) << quantity.Key;
   }
   EXPECT_THAT(written, HasSubstr(folder.File("rod.stl")));

@@ -146,6 +146,25 @@ TEST(SpectrumIO, ResponsesAreLinesOfEnergyAndSignal)
   EXPECT_THROW(ReadDetectorResponse(folder.File("absent.csv")), InputError);
 }
 
+TEST(DetectorIO, LineSpreadIsReadOfOneSideOrTheMeanOfBoth)
+{
+  const TemporaryFolder folder;
+  const LineSpread one = ReadLineSpread(folder.Write("l.csv", "mm, value\n0, 2\n0.1, 1\n0.4, 0\n"));
+  EXPECT_EQ(one.DistancesMm, (std::vector<double>{ 0, 0.1, 0.4 }));
+  EXPECT_EQ(one.Values, (std::vector<double>{ 2, 1, 0 }));
+  const LineSpread both = ReadLineSpread(folder.Write("l.csv", "-0.2 1\n0 4\n0.1 3\n0.2 2\n"));
+  EXPECT_EQ(both.DistancesMm, (std::vector<double>{ 0, 0.1, 0.2 }));
+  EXPECT_EQ(both.Values[0], 4);
+  EXPECT_NEAR(both.Values[1], 0.5 * (3 + 2.5), 1e-12);
+  EXPECT_EQ(both.Values[2], 1.5);
+  for (const char* damaged : { "", "0, 1\n", "0, 1\n0, 1\n", "0, 1\n1, -1\n", "0.1, 1\n0.2, 1\n",
+         "0, 0\n1, 0\n", "0, 1, 2\n" })
+  {
+    EXPECT_THROW(ReadLineSpread(folder.Write("d.csv", damaged)), InputError) << damaged;
+  }
+  EXPECT_THROW(ReadLineSpread(folder.File("absent.csv")), InputError);
+}
+
 TEST(SpectrumIO, DamagedFilesAreRefusedByLine)
 {
   TemporaryFolder folder;

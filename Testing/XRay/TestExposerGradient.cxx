@@ -275,9 +275,9 @@ TEST(ExposerGradientParts, BlurIsTransposed)
   const std::vector<double> x(losses.begin(), middle);
   const std::vector<double> y(middle, losses.end());
   std::vector<double> blurred = x;
-  BlurImage(detector, 0.7, blurred);
+  BlurImage(detector, { .HalfModulationPerMm = 0.7 }, blurred);
   std::vector<double> transposed = y;
-  TransposeBlur(detector, 0.7, transposed);
+  TransposeBlur(detector, { .HalfModulationPerMm = 0.7 }, transposed);
   EXPECT_NEAR(std::inner_product(blurred.begin(), blurred.end(), y.begin(), 0.0),
     std::inner_product(x.begin(), x.end(), transposed.begin(), 0.0), 1e-11);
   EXPECT_GT(std::abs(blurred[0] - x[0]), 0.1);
@@ -299,7 +299,7 @@ TEST(ExposerGradientParts, OpenFieldAndBlurActOnLosses)
   }
   const std::vector<float> losses = RandomLosses(pixels);
   std::vector<double> expected(losses.begin(), losses.end());
-  TransposeBlur(scene.Detector, 0.2, expected);
+  TransposeBlur(scene.Detector, { .HalfModulationPerMm = 0.2 }, expected);
   std::vector<float> plainLosses(pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel)
   {
@@ -322,7 +322,7 @@ TEST(ExposerGradientParts, RefusesWhatHasNoGradient)
   const Exposer::Loss loss{ RandomLosses(scene.Detector.NumberOfPixels()), {} };
   scene.Detection.PhotonsPerPixel = 1000;
   EXPECT_THAT(RefusalOf([&] { Exposer().Backward(scene, loss); }),
-    testing::HasSubstr("without noise, scatter and refraction, found noise"));
+    testing::HasSubstr("errors of pixels, scatter and refraction, found noise"));
   if (!ListDevices().empty())
   {
     scene.Detection = {};

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -132,6 +133,89 @@ TEST(Exposure, ModulationTransferIsTheStatedOne)
     {
       EXPECT_NEAR(value, std::exp(-1.0), 1e-6);
     }
+  }
+}
+
+TEST(Exposure, ALineSpreadBlursByItsTransfer)
+{
+  // A triangle of 0.3 mm to each side: its transfer is the square of a sinc.
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  ExposureOptions options;
+  options.Spread = { { 0, 0.1, 0.3 }, { 3, 2, 0 } };
+  for (const double f : { 0.0, 1e-9, 0.7, 2.5 })
+  {
+    const double x = std::numbers::pi * f * 0.3;
+    EXPECT_NEAR(options.Spread.Transfer(f), x > 0 ? std::pow(std::sin(x) / x, 2) : 1, 1e-9) << f;
+  }
+  const PathLengthFunction projector = Analytic(
+    [](const Vector3&, const Vector3& pixel)
+    {
+      const double column = pixel[0] / 0.1 + 200;
+      return -std::log(0.5 + 0.4 * std::cos(2 * std::numbers::pi * column / 8)) / 0.05;
+    });
+  const XRayDetector detector = Row(400, 0.1);
+  const auto seen = Expose(projector, {}, detector, beam, options).Transmission;
+  const auto sharp = Expose(projector, {}, detector, beam).Transmission;
+  for (std::size_t column = 100; column < 300; ++column)
+  {
+    // The transfer does not vanish at the Nyquist frequency: its series ends after 64 pixels.
+    EXPECT_NEAR(seen[column] - 0.5, options.Spread.Transfer(1.25) * (sharp[column] - 0.5), 1e-3);
+  }
+  options.HalfModulationPerMm = 2;
+  EXPECT_THROW(options.Validate(), InputError);
+  options.HalfModulationPerMm = 0;
+  const LineSpread wrong[] = { { { 0 }, { 1 } }, { { 0.1, 1 }, { 1, 1 } }, { { 0, 0 }, { 1, 1 } },
+    { { 0, 1 }, { 1, -1 } }, { { 0, 1 }, { 0, 0 } }, { { 0, 1 }, { 1, 1, 1 } } };
+  for (const LineSpread& spread : wrong)
+  {
+    options.Spread = spread;
+    EXPECT_THROW(options.Validate(), InputError);
+  }
+}
+
+TEST(Exposure, PixelsHaveGainsDeathsADarkLevelAndCounts)
+{
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3&) { return 20.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  const double mean = std::exp(-1.0);
+  const auto seen = [&](const ExposureOptions& options)
+  { return Expose(projector, {}, detector, beam, options).Transmission; };
+  ExposureOptions options;
+  options.GainSpread = 0.02;
+  const auto gains = seen(options);
+  const Moments spread = MomentsOf(gains);
+  EXPECT_NEAR(spread.Mean, mean, 5 * 0.02 * mean / 200);
+  EXPECT_NEAR(std::sqrt(spread.Variance), 0.02 * mean, 5 * 0.02 * mean / std::sqrt(8e4));
+  options.Seed = 9; // of the noise, not of the detector
+  EXPECT_EQ(seen(options), gains);
+
+  options = {};
+  options.DeadPixels = 0.01;
+  const auto some = seen(options);
+  const auto dead = std::count(some.begin(), some.end(), 0.0F);
+  EXPECT_NEAR(static_cast<double>(dead), 400, 5 * 20); // of 40,000
+  options.PhotonsPerPixel = 1e4;
+  const auto noisy = seen(options);
+  for (std::size_t pixel = 0; pixel < some.size(); ++pixel)
+  {
+    ASSERT_EQ(noisy[pixel] == 0, some[pixel] == 0) << "the same ones in every picture";
+  }
+
+  options = {};
+  options.DarkLevel = 0.05;
+  options.Bits = 14;
+  const double counts = std::round(0.8 * 16383 * (mean + 0.05));
+  EXPECT_NEAR(seen(options)[7], counts / (0.8 * 16383), 1e-7); // floats
+  options.DarkLevel = 2;
+  EXPECT_NEAR(seen(options)[7], 1.25, 1e-7) << "the largest count";
+  for (const ExposureOptions& wrong : { ExposureOptions{ .GainSpread = -1 },
+         ExposureOptions{ .DeadPixels = 0.6 }, ExposureOptions{ .DarkLevel = NAN },
+         ExposureOptions{ .Bits = 7 }, ExposureOptions{ .Bits = 17 } })
+  {
+    EXPECT_THROW(wrong.Validate(), InputError);
   }
 }
 

@@ -374,7 +374,8 @@ std::vector<SceneRow> DetectorRows()
       MEMBER(Fixed.Response.ByEnergy),
       std::vector<std::pair<const char*, bool>>{ { "energy", true }, { "counting", false } }),
     Row(Other(Kind::Text, "detector.scintillator", "MATERIAL[@DENSITY]:MM",
-          "only photons that this layer absorbs, 'CsI@4.51:0.15'"),
+          "only photons that this layer absorbs, 'CsI@4.51:0.15'\n(with all of their energy: no "
+          "fluorescence leaves it)"),
       MEMBER(Scintillator)),
     Row(Other(Kind::File, "detector.response-table", "",
           "instead, a file: lines of keV, a comma and the signal of a photon"),
@@ -390,6 +391,25 @@ std::vector<SceneRow> DetectorRows()
           "frequency at which the detector's modulation transfer is 1/2; 0 does not blur\n(a "
           "Gaussian, besides that of its pixels; blurs signal and quantum noise; at least 0.1)"),
       MEMBER(Fixed.Detection.HalfModulationPerMm)),
+    Row(
+      Other(Kind::File, "detector.line-spread", "",
+        "instead, its line spread function: a file with lines of mm, a comma and a value\n(from 0 "
+        "on, or of both sides, which are averaged; up to 64 pixels far)"),
+      MEMBER(LineSpread)),
+    Row(Number("detector.gain-spread", "", 0, 0.5,
+          "standard deviation of the pixels' gains, relative to 1; the same in every picture"),
+      MEMBER(Fixed.Detection.GainSpread)),
+    Row(Number("detector.dead-pixels", "", 0, 0.5,
+          "fraction of pixels without a signal; the same ones in every picture"),
+      MEMBER(Fixed.Detection.DeadPixels)),
+    Row(Number("detector.dark-level", "", 0, 10,
+          "signal without photons, which is added, relative to that of the open beam"),
+      MEMBER(Fixed.Detection.DarkLevel)),
+    Row(
+      Whole("detector.bits", 0, 16,
+        "signals become whole numbers of so many bits, 8 to 16; 0: they do not\n(the open beam has "
+        "4/5 of the largest; pictures stay relative to the open beam)"),
+      MEMBER(Fixed.Detection.Bits)),
     Row(Whole("detector.seed", 0, std::numeric_limits<int>::max(),
           "of the noise: the same seed, the same image"),
       MEMBER(Fixed.Detection.Seed)),

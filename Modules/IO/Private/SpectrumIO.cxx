@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cmath>
 #include <regex>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -478,5 +479,64 @@ DetectorResponse ReadDetectorResponse(const std::string& path)
     response.Efficiency.push_back(numbers[1]);
   }
   return response;
+}
+
+LineSpread ReadLineSpread(const std::string& path)
+{
+  const EnergyTable table = ReadEnergyTable(path, "a distance (mm) and a value");
+  std::map<double, double> sides;
+  double last = -std::numeric_limits<double>::infinity();
+  for (const EnergyTable::Row& row : table.Rows)
+  {
+    const std::vector<double>& numbers = row.Numbers;
+    if (numbers.size() != 2 || !(numbers[0] > last) || !std::isfinite(numbers[0]) ||
+      !(numbers[1] >= 0) || !std::isfinite(numbers[1]))
+    {
+      throw InputError(table.NameOf(row) +
+        ": expected a distance (mm) above the one before and a value that is not negative");
+    }
+    last = numbers[0];
+    sides[numbers[0]] = numbers[1];
+  }
+  const bool isBoth = !sides.empty() && sides.begin()->first < 0;
+  const auto at = [&](double distance)
+  {
+    const auto above = sides.lower_bound(distance);
+    if (above == sides.end() || (above == sides.begin() && above->first != distance))
+    {
+      return 0.0;
+    }
+    if (above->first == distance)
+    {
+      return above->second;
+    }
+    const auto below = std::prev(above);
+    const double share = (distance - below->first) / (above->first - below->first);
+    return (1 - share) * below->second + share * above->second;
+  };
+  std::set<double> distances{ 0 };
+  for (const auto& [distance, value] : sides)
+  {
+    distances.insert(std::abs(distance));
+  }
+  LineSpread spread;
+  for (const double distance : distances)
+  {
+    spread.DistancesMm.push_back(distance);
+    spread.Values.push_back(isBoth ? 0.5 * (at(distance) + at(-distance)) : at(distance));
+  }
+  try
+  {
+    if (!isBoth && !sides.contains(0))
+    {
+      throw InputError("expected a value at the distance 0, found none");
+    }
+    spread.Validate();
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(path + ": " + error.what());
+  }
+  return spread;
 }
 }

@@ -47,13 +47,21 @@ void BlurAlong(const RasterShape& shape, int axis, const std::vector<double>& ke
 }
 
 /**
- * The middle and one side of a convolution kernel along a line of pixels, with the modulation
- * transfer function exp(-ln 2 (f / half)^2) up to the Nyquist frequency: 1 at 0, 1/2 at `half`
- * (cycles per mm). The sum of the whole kernel is 1.
+ * The middle and one side of a convolution kernel along a line of pixels, with the detector's
+ * modulation transfer function up to the Nyquist frequency. The sum of the whole kernel is 1.
  */
-std::vector<double> BlurKernel(double half, double pixelMm)
+std::vector<double> BlurKernel(const ExposureOptions& options, double pixelMm)
 {
   std::vector<double> kernel;
+  std::vector<double> transfer;
+  for (int n = 0; n < Frequencies; ++n)
+  {
+    const double cycles = 0.5 * (n + 0.5) / Frequencies; // per pixel
+    const double relative = cycles / (options.HalfModulationPerMm * pixelMm);
+    transfer.push_back(options.Spread.DistancesMm.empty()
+        ? std::exp(-std::numbers::ln2 * relative * relative)
+        : options.Spread.Transfer(cycles / pixelMm));
+  }
   for (int tap = 0; tap < MostTaps; ++tap)
   {
     // The mean over frequencies of the transfer's Fourier series.
@@ -61,9 +69,7 @@ std::vector<double> BlurKernel(double half, double pixelMm)
     for (int n = 0; n < Frequencies; ++n)
     {
       const double cycles = 0.5 * (n + 0.5) / Frequencies; // per pixel
-      const double relative = cycles / (half * pixelMm);
-      sum += std::exp(-std::numbers::ln2 * relative * relative) *
-        std::cos(2 * std::numbers::pi * cycles * tap);
+      sum += transfer[static_cast<std::size_t>(n)] * std::cos(2 * std::numbers::pi * cycles * tap);
     }
     kernel.push_back(sum / Frequencies);
   }
@@ -141,25 +147,26 @@ std::vector<ExposureView> ViewsOf(const XRaySource& source, const XRayDetector& 
   return views;
 }
 
-void BlurImage(const XRayDetector& detector, double halfModulationPerMm, std::vector<double>& image)
+void BlurImage(const XRayDetector& detector, const ExposureOptions& options,
+  std::vector<double>& image)
 {
   const RasterShape shape(detector.Columns, detector.Rows);
-  BlurAlong(shape, 0, BlurKernel(halfModulationPerMm, Norm(detector.ColumnStep)), image);
-  BlurAlong(shape, 1, BlurKernel(halfModulationPerMm, Norm(detector.RowStep)), image);
+  BlurAlong(shape, 0, BlurKernel(options, Norm(detector.ColumnStep)), image);
+  BlurAlong(shape, 1, BlurKernel(options, Norm(detector.RowStep)), image);
 }
 
-void TransposeBlur(const XRayDetector& detector, double halfModulationPerMm,
+void TransposeBlur(const XRayDetector& detector, const ExposureOptions& options,
   std::vector<double>& image)
 {
   const auto columns = static_cast<std::size_t>(detector.Columns);
   const auto rows = static_cast<std::size_t>(detector.Rows);
   std::vector<double> sums;
-  const std::vector<double> alongColumns = BlurKernel(halfModulationPerMm, Norm(detector.RowStep));
+  const std::vector<double> alongColumns = BlurKernel(options, Norm(detector.RowStep));
   for (std::size_t column = 0; column < columns; ++column)
   {
     TransposeLine(&image[column], rows, columns, alongColumns, sums);
   }
-  const std::vector<double> alongRows = BlurKernel(halfModulationPerMm, Norm(detector.ColumnStep));
+  const std::vector<double> alongRows = BlurKernel(options, Norm(detector.ColumnStep));
   for (std::size_t row = 0; row < rows; ++row)
   {
     TransposeLine(&image[row * columns], columns, 1, alongRows, sums);

@@ -28,12 +28,12 @@ struct ExposureView
 std::vector<ExposureView> ViewsOf(const XRaySource& source, const XRayDetector& detector,
   const ExposureOptions& options);
 
-/// The detector's blur (see ExposureOptions::HalfModulationPerMm): convolves rows and columns;
-/// beyond its borders the image continues with its border values.
-MAMMORAYXRAY_EXPORT void BlurImage(const XRayDetector& detector, double halfModulationPerMm,
+/// The detector's blur (see ExposureOptions::HasBlur): convolves rows and columns; beyond its
+/// borders the image continues with its border values.
+MAMMORAYXRAY_EXPORT void BlurImage(const XRayDetector& detector, const ExposureOptions& options,
   std::vector<double>& image);
 /// The transpose of BlurImage.
-MAMMORAYXRAY_EXPORT void TransposeBlur(const XRayDetector& detector, double halfModulationPerMm,
+MAMMORAYXRAY_EXPORT void TransposeBlur(const XRayDetector& detector, const ExposureOptions& options,
   std::vector<double>& image);
 }
 

@@ -242,6 +242,11 @@ class Detector(_Part):
     photons: Optional[float] = None
     electronic_noise: Optional[float] = None
     half_modulation: Optional[float] = None
+    line_spread: Optional[str] = None
+    gain_spread: Optional[float] = None
+    dead_pixels: Optional[float] = None
+    dark_level: Optional[float] = None
+    bits: Optional[int] = None
     seed: Optional[int] = None
 
 
