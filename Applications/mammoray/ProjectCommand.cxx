@@ -22,6 +22,7 @@
 
 #include "vtkImageData.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -376,6 +377,7 @@ std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSe
   std::string warning;
   const int count = static_cast<int>(series.Views.size());
   int number = 0;
+  int empty = 0;
   for (const ProjectionView& view : series.Views)
   {
     const double begin = 0.2 + 0.6 * number / count;
@@ -390,8 +392,15 @@ std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSe
     {
       warning = PrefixedLines(found, "projection " + std::to_string(number) + ": ");
     }
+    const std::vector<float>& lengths = exposure.Lengths->Lengths;
+    empty += std::none_of(lengths.begin(), lengths.end(), [](float length) { return length != 0; });
     take(view, exposure);
     ++number;
+  }
+  if (empty > 0)
+  {
+    warning += (warning.empty() ? "" : "\n") + std::to_string(empty) + " of " +
+      std::to_string(count) + " projections show nothing of the object";
   }
   return warning;
 }

@@ -53,6 +53,14 @@ int MaterialFor(const SurfaceSample& sample, MaterialTable& table)
   return static_cast<int>(table.Materials.size()) - 1;
 }
 
+/// Whether the sides of all triangles are air or material 1.
+bool HasOneMaterial(const SurfaceMesh& surface)
+{
+  const auto isOne = [](const std::vector<std::uint16_t>& sides)
+  { return std::all_of(sides.begin(), sides.end(), [](std::uint16_t side) { return side < 2; }); };
+  return isOne(surface.FrontMaterials) && isOne(surface.BackMaterials);
+}
+
 /// Adds the sample, and its material where the table has none of it.
 void AddSample(const SurfaceSample& sample, Scene& scene)
 {
@@ -66,15 +74,19 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
     }
     auto fitted = std::make_shared<SurfaceMesh>(*sample.Surface);
     scene.Materials.FitMesh(*fitted, sample.MaterialNames, sample.Name);
+    if (!sample.File.empty() && sample.MaterialNames.empty() &&
+      scene.Materials.Materials.size() > 2 && HasOneMaterial(*fitted))
+    {
+      Note({ sample.Name,
+        "tells no materials: all of it is taken as '" + scene.Materials.Materials[1].Name +
+          "', the first of the table '" + scene.Materials.Name + "'" });
+    }
     placed.Surface = std::move(fitted);
   }
   else
   {
     placed.Material = MaterialFor(sample, scene.Materials);
-    const auto several = [](const std::vector<std::uint16_t>& sides) {
-      return std::any_of(sides.begin(), sides.end(), [](std::uint16_t side) { return side > 1; });
-    };
-    if (several(sample.Surface->BackMaterials) || several(sample.Surface->FrontMaterials))
+    if (!HasOneMaterial(*sample.Surface))
     {
       throw InputError(sample.Name +
           ": expected a surface of one material, found several, as of a mesh with a table",
@@ -136,7 +148,7 @@ DetectorResponse ResponseOf(const SceneDescription& description)
   DetectorResponse response;
   if (!description.Scintillator.empty())
   {
-    response = AbsorbingDetector(XRayFilter::FromText(description.Scintillator));
+    response = AbsorbingDetector(XRayFilter::FromText(description.Scintillator, "scintillator"));
   }
   response.ByEnergy = description.Fixed.Response.ByEnergy;
   return response;

@@ -244,14 +244,18 @@ std::string Shadow::Reason(const XRayDetector& detector, const std::string& subj
   {
     return subject + " lies behind the detector";
   }
-  // Near the source the shadow is endless, so that its range tells nothing.
-  if (this->HoldsSource)
+  double widthMm = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    return "the source lies within the box around " + subject;
+    widthMm = std::max(widthMm, this->Box.High[axis] - this->Box.Low[axis]);
   }
-  if (this->IsBehindSource)
+  const int field = std::max(detector.Columns, detector.Rows);
+  // Near the source the shadow is endless, so that its range tells nothing.
+  if (this->HoldsSource || this->IsBehindSource)
   {
-    return subject + " lies in part behind the source";
+    return (this->HoldsSource ? "the source lies within the box around " + subject
+                              : subject + " lies in part behind the source") +
+      OtherUnit(widthMm, widthMm / Norm(detector.ColumnStep), field);
   }
   const bool isWithin = this->Columns.Low >= -0.5 && this->Columns.High <= detector.Columns - 0.5 &&
     this->Rows.Low >= -0.5 && this->Rows.High <= detector.Rows - 0.5;
@@ -266,13 +270,8 @@ std::string Shadow::Reason(const XRayDetector& detector, const std::string& subj
     "'s shadow reaches from column %.4g to %.4g and row %.4g to %.4g of %d x %d pixels",
     this->Columns.Low, this->Columns.High, this->Rows.Low, this->Rows.High, detector.Columns,
     detector.Rows);
-  double widthMm = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    widthMm = std::max(widthMm, this->Box.High[axis] - this->Box.Low[axis]);
-  }
   return behind + (behind.empty() ? "" : "; ") + subject + text +
-    OtherUnit(widthMm, this->WidthPixels(), std::max(detector.Columns, detector.Rows));
+    OtherUnit(widthMm, this->WidthPixels(), field);
 }
 
 std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wantsAll)

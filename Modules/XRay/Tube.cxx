@@ -80,7 +80,7 @@ double KermaPerPhoton(double energyKeV)
 }
 }
 
-XRayFilter XRayFilter::FromText(const std::string& text)
+XRayFilter XRayFilter::FromText(const std::string& text, const std::string& what)
 {
   XRayFilter filter;
   const std::size_t colon = text.rfind(':');
@@ -88,10 +88,11 @@ XRayFilter XRayFilter::FromText(const std::string& text)
     !ToNumber(text.substr(colon + 1), filter.ThicknessMm) || !(filter.ThicknessMm >= 0) ||
     !std::isfinite(filter.ThicknessMm))
   {
-    throw InputError("filter: expected MATERIAL[@DENSITY]:MM, as in Rh:0.05, found '" + text + "'");
+    throw InputError(
+      what + ": expected MATERIAL[@DENSITY]:MM, as in Rh:0.05, found '" + text + "'");
   }
   filter.Material = text.substr(0, colon);
-  filter.DensityGPerCm3 = TakeDensity(filter.Material, "filter");
+  filter.DensityGPerCm3 = TakeDensity(filter.Material, what);
   return filter;
 }
 

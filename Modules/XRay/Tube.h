@@ -20,7 +20,7 @@ struct MAMMORAYXRAY_EXPORT XRayFilter
   double DensityGPerCm3 = 0;
 
   /// Parses MATERIAL[\@DENSITY]:MM: "Rh:0.05", "SiO2@2.2:1". Throws InputError on another form.
-  static XRayFilter FromText(const std::string& text);
+  static XRayFilter FromText(const std::string& text, const std::string& what = "filter");
 };
 
 /**

@@ -144,6 +144,10 @@ TEST_F(ProjectSeries, EmptyAndCutPicturesAreEvents)
   const IntensityVolume image = ReadIntensityFile(this->Stack);
   EXPECT_NEAR(-std::log(image.Voxels[25 * 50 + 25]), 2 * 2.70 * 3.441, 0.02 * 18.6);
   EXPECT_EQ(this->Run("project --surface Al=box.stl --unit yard" + around), 2);
+  // Turned about an axis beside it, the part is seen, cut, not seen, and cut.
+  EXPECT_THAT(told({ -10, -10, -10 }, { 10, 10, 10 }, " --turn 4 --axis-point 30 0 0"),
+    testing::AllOf(HasSubstr("warning: projection 1: "),
+      HasSubstr("1 of 4 projections show nothing of the object")));
   // A part behind the source, and a file in metres, beside one that is seen.
   const std::string water = this->Box("water.vtp", { 5, -10, -10 }, { 15, 10, 10 });
   const std::string cut = " --surface H2O@1=" + water;

@@ -79,6 +79,10 @@ TEST(Shadow, ReasonsOfEmptyPicturesAreTold)
     HasSubstr("0.04 mm wide: a file in metres?"));
   EXPECT_THAT(ShadowReason(ShadowBox({ -20000, -20000, 10 }, { 20000, 20000, 20 }), source),
     HasSubstr("40000 mm wide: a file in micrometres?"));
+  EXPECT_EQ(ShadowReason(ShadowBox({ -20000, -20000, -20000 }, { 20000, 20000, 20000 }), source),
+    "the source lies within the box around the object; 40000 mm wide: a file in micrometres?");
+  EXPECT_EQ(ShadowReason(ShadowBox({ 60, -20000, -20000 }, { 20000, 20000, 20000 }), source),
+    "the object lies in part behind the source; 40000 mm wide: a file in micrometres?");
 }
 
 TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)

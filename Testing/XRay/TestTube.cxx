@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Composition.h"
@@ -275,6 +276,8 @@ TEST(Tube, FiltersAreReadAndRefused)
   {
     EXPECT_THROW(XRayFilter::FromText(text), InputError) << text;
   }
+  EXPECT_THAT(test::RefusalOf([] { XRayFilter::FromText("CsI@4510:0.15", "scintillator"); }),
+    testing::StartsWith("scintillator: 'CsI@4510': expected a density from"));
   EXPECT_THROW(TubeSpectrum({ "Cu", 28, {} }), InputError);
   EXPECT_THROW(TubeSpectrum({ "W", 17, {} }), InputError);
   EXPECT_THROW(TubeSpectrum({ "Mo", 43, {} }), InputError);
