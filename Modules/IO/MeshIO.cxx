@@ -165,7 +165,9 @@ void CheckSome(Mesh* mesh, const std::string& path)
 {
   if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
   {
-    throw InputError(path + ": expected a mesh, found no points or no cells");
+    const vtkIdType points = mesh ? mesh->GetNumberOfPoints() : 0;
+    throw InputError(path + ": expected a mesh, found " +
+      (points > 0 ? std::to_string(points) + " points without cells" : std::string("no points")));
   }
 }
 

@@ -76,6 +76,8 @@ TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
     EXPECT_EQ(ReadText(text, &said), "10:5 11:7 12:1") << text;
     EXPECT_THAT(said, testing::IsEmpty()) << text;
   }
+  // Two lines, as xpecgen writes them.
+  EXPECT_EQ(ReadText("keV, centre\n9,10,11,12\n0,5,7,1\n"), "9:0 10:5 11:7 12:1");
   // An edge may be 0. Densities count with the width of their bin.
   EXPECT_EQ(ReadText("keV\n0 0\n10 4\n20 2\n40 0\n"), "5:0 15:4 30:2");
   EXPECT_EQ(ReadText("centre keV, N per keV\n10 4\n20 2\n40 1\n"), "10:40 20:30 40:20");
@@ -95,6 +97,10 @@ TEST(SpectrumIO, WhatIsInferredIsSaid)
     EXPECT_THAT(said[0], testing::HasSubstr("s.txt: takes energies as " + std::string(unit)));
     EXPECT_THAT(said[0], testing::HasSubstr("values as photons of bins around their energies"));
   }
+  std::vector<std::string> said;
+  EXPECT_EQ(ReadText("Energy [keV], Fluence [1/keV/cm2]\n10,4\n20,2\n40,1\n", &said),
+    "10:40 20:30 40:20");
+  EXPECT_THAT(said, testing::ElementsAre(testing::HasSubstr("takes values as photons per keV")));
 }
 
 TEST(SpectrumIO, OtherTablesAreRefusedByLine)
@@ -112,6 +118,12 @@ TEST(SpectrumIO, OtherTablesAreRefusedByLine)
   EXPECT_THAT(refusal("\xff\xfe"
                       "1"),
     testing::HasSubstr("found UTF-16"));
+  // EGSnrc's line of three numbers, a column for each tube, SpekPy's characteristic radiation.
+  EXPECT_THAT(refusal("60 kV\n59, 0.001, 1\n0.010, 5\n"),
+    testing::HasSubstr("line 3: expected an energy and a number of photons, or both edges of a bin "
+                       "and its photons, found 2 number(s), after 3 in line 2"));
+  EXPECT_THAT(refusal("keV,20 kV,21 kV,22 kV\n10,1,2,3\n"), testing::HasSubstr("keep the column"));
+  EXPECT_THAT(refusal("keV; total; lines\n10.5;4;0\n11.5;5;0\n"), testing::HasSubstr("keep one"));
   EXPECT_THAT(refusal("energy, photons\n"), testing::HasSubstr("found none"));
   EXPECT_THAT(refusal("0 3\n"), testing::HasSubstr("at least two edges"));
   // A negative value ends nothing here, wherever it stands.

@@ -17,6 +17,8 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 using namespace mammoray;
@@ -339,6 +341,33 @@ TEST_F(SurfaceFiles, BinaryStlHasAllTheTrianglesThatItCounts)
   EXPECT_THAT(this->Refusal("short.stl", std::string(50, '\1')), HasSubstr("the end of the file"));
 }
 
+TEST_F(SurfaceFiles, WhatAFileHoldsInsteadIsNamed)
+{
+  EXPECT_THAT(this->Refusal("cube.stl", "# by a program\n" + Obj(Cube())),
+    HasSubstr("cube.stl: expected a mesh in STL, found a text that begins with '# by a program'"));
+  const std::string points = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                             "property float y\nproperty float z\n";
+  EXPECT_THAT(this->Refusal("cloud.ply", points + "end_header\n0 0 0\n1 0 0\n"),
+    HasSubstr("cloud.ply: expected a mesh, found 2 points without cells"));
+  EXPECT_THAT(this->Refusal("strips.ply",
+                points + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"),
+    HasSubstr("strips.ply: expected faces, found triangle strips"));
+}
+
+TEST_F(SurfaceFiles, AxesThatAHeaderNamesAreTold)
+{
+  const std::string ras = "3D Slicer output. SPACE=RAS";
+  const Body cube = Triangulated(Cube());
+  for (const auto& [name, bytes] : { std::pair{ "binary.stl", BinaryStl(cube, 12, ras) },
+         { "text.stl", TextStl(cube, ras) }, { "mesh.obj", "# " + ras + "\n" + Obj(cube) } })
+  {
+    const Reading reading = this->Read(name, bytes);
+    EXPECT_THAT(reading.Told, HasSubstr("its header says SPACE=RAS")) << name;
+    EXPECT_NEAR(VolumeOf(reading.Surface), 1000, 1e-6) << name;
+  }
+  this->ExpectVolume("lps.stl", TextStl(cube, "3D Slicer output. SPACE=LPS"), 1000, 12);
+}
+
 TEST_F(SurfaceFiles, CoordinatesAreReadAsDoubles)
 {
   // 894 m away floats are 0.06 mm apart.
@@ -534,6 +563,12 @@ TEST_F(SurfaceFiles, PhysicalGroupsOfGmshAreMaterials)
   mesh = read(Gmsh2("2\n2 4 2 0 1 3 13 23 33\n3 4 2 0 2 13 43 23 33\n"), names).first;
   EXPECT_THAT(names, testing::IsEmpty());
   EXPECT_THAT(mesh.Materials, testing::ElementsAre(1, 1));
+  // Groups without names are materials by their numbers.
+  std::string numbered = Gmsh2("2\n2 4 2 2 1 3 13 23 33\n3 4 2 1 2 13 43 23 33\n");
+  std::tie(mesh, told) = read(numbered, names);
+  EXPECT_THAT(names, testing::IsEmpty());
+  EXPECT_THAT(mesh.Materials, testing::ElementsAre(2, 1));
+  EXPECT_THAT(told, HasSubstr("a.msh: its physical groups have no names"));
   std::string air = Gmsh2("2\n" + fat + gland);
   air.replace(air.find("gland"), 5, "Air");
   mesh = read(air, names).first;

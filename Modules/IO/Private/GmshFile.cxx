@@ -358,14 +358,22 @@ private:
       throw InputError(this->Path + ": expected every volume in a physical group, found " +
         std::to_string(alone) + " elements in none");
     }
+    const bool areNamed = this->NamesAny(materials);
     int next = 1;
     for (auto& [group, material] : materials)
     {
       const auto name = this->GroupNames.find(group);
       const bool isAir = name != this->GroupNames.end() && LowerCase(name->second) == "air";
-      material = isAir ? -1 : next++;
+      material = isAir ? -1 : areNamed ? next++ : group;
     }
     return materials;
+  }
+
+  /// Whether any of the groups has a name. Else their numbers are materials.
+  bool NamesAny(const std::map<int, int>& materialOf) const
+  {
+    return std::any_of(materialOf.begin(), materialOf.end(),
+      [this](const auto& one) { return this->GroupNames.count(one.first) > 0; });
   }
 
   vtkSmartPointer<vtkUnstructuredGrid> Finish()
@@ -390,7 +398,11 @@ private:
       }
     }
     grid->GetCellData()->AddArray(materials);
-    if (!materialOf.empty())
+    if (!materialOf.empty() && !this->NamesAny(materialOf))
+    {
+      Note({ this->Path, "its physical groups have no names: their numbers are materials" });
+    }
+    else if (!materialOf.empty())
     {
       vtkNew<vtkStringArray> names;
       names->SetName(MaterialNamesArrayName);

@@ -273,7 +273,7 @@ Bins BinsOfEdges(const EnergyTable& table)
     {
       throw InputError(table.NameOf(row) +
         ": expected an energy and a number of photons, or both edges of a bin, which begins where "
-        "the one before ends, and its photons");
+        "the one before ends, and its photons; of several columns of photons, keep one");
     }
     if (bins.Edges.empty())
     {
@@ -327,6 +327,22 @@ Bins BinsOfCentres(const EnergyTable& table)
   return bins;
 }
 
+/// Makes a row of each energy where a first line holds all of them and a second one the values.
+void TurnRows(std::vector<EnergyTable::Row>& rows)
+{
+  if (rows.size() != 2 || rows[0].Numbers.size() < 4 ||
+    rows[0].Numbers.size() != rows[1].Numbers.size())
+  {
+    return;
+  }
+  std::vector<EnergyTable::Row> turned;
+  for (std::size_t column = 0; column < rows[0].Numbers.size(); ++column)
+  {
+    turned.push_back({ { rows[0].Numbers[column], rows[1].Numbers[column] }, rows[1].Line });
+  }
+  rows = std::move(turned);
+}
+
 /// Throws InputError unless the rows hold an energy and photons each, or both edges and photons; a
 /// last edge may stand alone.
 void CheckRows(const EnergyTable& table)
@@ -342,7 +358,10 @@ void CheckRows(const EnergyTable& table)
       throw InputError(table.NameOf(row) +
         ": expected an energy and a number of photons, or both edges of a bin and its photons, "
         "found " +
-        std::to_string(numbers.size()) + " number(s)");
+        std::to_string(numbers.size()) + " number(s)" +
+        (numbers.size() == columns ? ": of several spectra, keep the column of one"
+                                   : ", after " + std::to_string(columns) + " in line " +
+              std::to_string(table.Rows.front().Line)));
     }
     const bool isPhotons = numbers.size() == 1 || numbers.back() >= 0;
     if (!isPhotons || !std::isfinite(numbers.back()))
@@ -358,6 +377,7 @@ void CheckRows(const EnergyTable& table)
 Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
 {
   std::vector<EnergyTable::Row>& rows = table.Rows;
+  TurnRows(rows);
   CheckRows(table);
   const bool isWhole = rows.back().Numbers.size() > 1;
   if (isWhole && rows.front().Numbers[0] > rows.back().Numbers[0])
@@ -384,12 +404,13 @@ Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
   const Bins bins = threeColumns ? BinsOfEdges(table)
     : areEdges                   ? BinsOfLowerEdges(table)
                                  : BinsOfCentres(table);
-  if (!threeColumns && !areEdges && !saysCentres)
-  {
-    inferred = "values as photons of bins around their energies";
-  }
   // Counts are those of a bin, whatever its width, unless the header says otherwise.
   const bool areDensities = NamesDensity(table.Titles);
+  if (!threeColumns && !areEdges && !saysCentres)
+  {
+    inferred = std::string("values as photons ") + (areDensities ? "per keV" : "of bins") +
+      " around their energies";
+  }
   for (std::size_t bin = 0; bin < bins.Values.size(); ++bin)
   {
     const double low = bins.Edges[bin];
@@ -448,7 +469,8 @@ Spectrum ReadSpectrum(const std::string& path)
     {
       Note({ path,
         "takes " + inferred +
-          "; a header line that names the unit (eV, keV, MeV) and 'centre' or 'edge' settles it" });
+          "; a header line that names the unit (eV, keV, MeV), 'centre' or 'edge', and 'per keV' "
+          "of densities settles it" });
     }
   }
   spectrum.Name = std::filesystem::path(path).stem().string();

@@ -11,7 +11,9 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -75,17 +77,35 @@ private:
   vtkNew<vtkCellArray> Polygons;
 };
 
+/// 3D Slicer names the axes of its models in a comment; it wrote RAS until 4.11.
+void NoteAxes(const std::string& path, const FileWords& words)
+{
+  if (words.Left().substr(0, 1000).find("SPACE=RAS") != std::string_view::npos)
+  {
+    Note({ path,
+      "its header says SPACE=RAS (x to the patient's right, y to the front): its points are taken "
+      "as they are, not turned into LPS" });
+  }
+}
+
 vtkSmartPointer<vtkPolyData> ReadBinaryStl(const std::string& path, FileWords& words)
 {
   constexpr std::size_t header = 80;
   constexpr std::size_t bytesOfOne = 50;
   const std::size_t size = words.Left().size();
+  const std::string_view start = words.Left().substr(0, header + sizeof(std::uint32_t));
   for (std::size_t skipped = 0; skipped < header / sizeof(std::uint64_t); ++skipped)
   {
     words.Binary<std::uint64_t>("a mesh in STL");
   }
   const auto count = words.Binary<std::uint32_t>("a number of triangles");
   const std::size_t held = words.Left().size() / bytesOfOne;
+  // A count below 16 million has a byte that is 0.
+  if (held != count && start.find('\0') == std::string_view::npos)
+  {
+    throw InputError(path + ": expected a mesh in STL, found a text that begins with '" +
+      std::string(start.substr(0, std::min<std::size_t>(start.find_first_of("\r\n"), 40))) + "'");
+  }
   // Some programs append a few bytes.
   if (held != count)
   {
@@ -218,6 +238,7 @@ public:
     : Path(path)
     , Words(path)
   {
+    NoteAxes(path, this->Words);
     this->ReadHeader();
   }
 
@@ -269,6 +290,10 @@ private:
         if (!ToNumber(word(2), this->Elements.back().Count))
         {
           this->RefuseHeader(line);
+        }
+        if (word(1) == "tristrips")
+        {
+          throw InputError(this->Path + ": expected faces, found triangle strips (tristrips)");
         }
       }
       else if (first == "property" && !this->Elements.empty())
@@ -446,6 +471,7 @@ private:
 vtkSmartPointer<vtkPolyData> ReadStl(const std::string& path)
 {
   FileWords words(path);
+  NoteAxes(path, words);
   const std::string_view start = words.Left().substr(0, 1000);
   const bool isText = LowerCase(start).find("solid") == start.find_first_not_of(" \t\r\n") &&
     start.find('\0') == std::string_view::npos;
@@ -460,6 +486,7 @@ vtkSmartPointer<vtkPolyData> ReadPly(const std::string& path)
 vtkSmartPointer<vtkPolyData> ReadObj(const std::string& path)
 {
   FileWords words(path);
+  NoteAxes(path, words);
   PolygonList list(true);
   vtkIdType last = 0;
   std::string lastUse;
