@@ -68,14 +68,20 @@ void Run(SendArguments& arguments)
   {
     throw CLI::ValidationError("--tls: expected with --pacs; --web is encrypted with https://");
   }
-  const std::vector<std::string> files =
-    FindDicomFiles(arguments.Result.empty() ? arguments.Files : ObjectsOf(arguments.Result));
+  std::string unread;
   const StoredCallback stored = [](const std::string& file, const std::string& refusal)
   {
     std::printf("%s %s%s%s\n", refusal.empty() ? "stored" : "refused", file.c_str(),
       refusal.empty() ? "" : ": ", refusal.c_str());
     std::fflush(stdout);
   };
+  const std::vector<std::string> files =
+    FindDicomFiles(arguments.Result.empty() ? arguments.Files : ObjectsOf(arguments.Result),
+      [&](const std::string& file, const std::string& refusal)
+      {
+        stored(file, refusal);
+        unread += unread.empty() ? file + ": " + refusal : "";
+      });
   if (!arguments.Pacs.empty())
   {
     StoreFiles(files, arguments.Node, stored, InterruptRequested);
@@ -85,6 +91,10 @@ void Run(SendArguments& arguments)
     arguments.Web.TimeoutSeconds = arguments.Node.TimeoutSeconds;
     arguments.Web.AuthoritiesFile = arguments.Node.Tls.AuthoritiesFile;
     StoreFilesOnWeb(files, arguments.Web, stored, InterruptRequested);
+  }
+  if (!unread.empty())
+  {
+    throw InputError(unread + "; stored the other " + std::to_string(files.size()));
   }
   std::printf("stored all %zu\n", files.size());
 }

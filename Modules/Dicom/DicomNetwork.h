@@ -68,9 +68,11 @@ using StoredCallback = std::function<void(const std::string& file, const std::st
 /// Returns true to stop the work.
 using StopRequest = std::function<bool()>;
 
-/// Lists files in order: `paths` that are files, and the files in `paths` that are folders. Throws
-/// InputError if there are none or if one is not DICOM.
-MAMMORAYDICOM_EXPORT std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths);
+/// Lists files in order: `paths` that are files, and the files in `paths` that are folders. Those
+/// that are damaged or not DICOM are left out and told to `refused`. Throws InputError if there are
+/// no others, or, without `refused`, if one is not DICOM.
+MAMMORAYDICOM_EXPORT std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths,
+  const StoredCallback& refused = {});
 
 /**
  * Stores DICOM files in the archive (C-STORE), in order over one association, without changing

@@ -536,7 +536,8 @@ void SetAddress(DicomNode& node, const std::string& hostAndPort)
   node.Port = port;
 }
 
-std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
+std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths,
+  const StoredCallback& refused)
 {
   std::vector<std::string> files;
   for (const std::string& path : paths)
@@ -562,19 +563,33 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
     std::sort(within.begin(), within.end());
     files.insert(files.end(), within.begin(), within.end());
   }
+  std::vector<std::string> whole;
   for (const std::string& file : files)
   {
-    if (!ReadDicomHeader(file))
+    try
     {
-      throw InputError(file + ": expected a DICOM file, found another");
+      if (!ReadDicomHeader(file))
+      {
+        throw InputError(file + ": expected a DICOM file, found another");
+      }
+      CheckDicomElements(file);
+      whole.push_back(file);
     }
-    CheckDicomElements(file);
+    catch (const InputError& error)
+    {
+      if (!refused)
+      {
+        throw;
+      }
+      const std::string why = error.what();
+      refused(file, why.starts_with(file + ": ") ? why.substr(file.size() + 2) : why);
+    }
   }
-  if (files.empty())
+  if (whole.empty())
   {
     throw InputError("archive: expected DICOM files to send, found none");
   }
-  return files;
+  return whole;
 }
 
 void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,

@@ -180,6 +180,13 @@ TEST_F(ArchiveOf, OnlyDicomIsSent)
   EXPECT_EQ(FindDicomFiles({ this->MammogramPath(), this->MriPath() }).size(), 31U);
   EXPECT_THAT(RefusalOf([&] { FindDicomFiles({ this->Folder.File("lesion.nrrd") }); }),
     HasSubstr("expected a DICOM file"));
+  // Where they are told, the others are sent.
+  std::string told;
+  EXPECT_EQ(FindDicomFiles({ this->Folder.File("lesion.nrrd"), this->MammogramPath() },
+              [&told](const std::string& file, const std::string& why)
+              { told += file + "|" + why; }),
+    std::vector<std::string>{ this->MammogramPath() });
+  EXPECT_EQ(told, this->Folder.File("lesion.nrrd") + "|expected a DICOM file, found another");
   const std::string missing = this->Folder.File("missing.dcm");
   EXPECT_EQ(RefusalOf(
               [&] {

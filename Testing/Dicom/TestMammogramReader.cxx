@@ -345,6 +345,11 @@ TEST(DicomMammogram, WhatIsGivenTakesThePlaceOfWhatADigitisedFilmLacks)
   EXPECT_EQ(read.Laterality, 'R');
   EXPECT_EQ(read.Columns, 3);
   EXPECT_EQ(read.Pixels[14], 15);
+  // What a digitiser says of the film.
+  const TemporaryFile scanned(DigitisedFilm(test::Element(0x18, 0x2010, "DS", "0.05\\0.06")));
+  const Mammogram told = ReadMammogram(scanned.Path, { {}, "CC", 'R', 50 });
+  EXPECT_EQ(told.RowSpacingMm, 0.05);
+  EXPECT_EQ(told.ColumnSpacingMm, 0.06);
   // What the header says stays.
   const TemporaryFile said(DigitisedFilm(
     test::Element(0x18, 0x1164, "DS", "0.2\\0.1") + test::Element(0x18, 0x5101, "CS", "CC")));

@@ -275,7 +275,7 @@ TEST(Intake, DamagedAndDoubledSlicesAreNamed)
 TEST(Intake, AMammogramWithoutThePixelsSizeNeedsIt)
 {
   for (const auto& [spacing, found] :
-    { std::pair{ "", "found neither: the size of a pixel is not known in " },
+    { std::pair{ "", "found none: the size of a pixel is not known in " },
       { "0\\0", "found 0 x 0 as Imager Pixel Spacing: the size of a pixel is not known in " } })
   {
     MadeUpStudy files;

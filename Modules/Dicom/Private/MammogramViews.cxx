@@ -157,6 +157,8 @@ std::optional<std::array<double, 2>> ReceptorSpacingOf(DcmItem& data, std::strin
   std::string found;
   for (const auto& [tag, name, scale] :
     { std::tuple(DCM_ImagerPixelSpacing, "Imager Pixel Spacing ", 1.0),
+      // Of digitised film, which lay on the receptor.
+      std::tuple(DCM_NominalScannedPixelSpacing, "Nominal Scanned Pixel Spacing ", 1.0),
       std::tuple(DCM_PixelSpacing, "Pixel Spacing ", magnification) })
   {
     // Row spacing comes first in DICOM.
@@ -175,9 +177,9 @@ std::optional<std::array<double, 2>> ReceptorSpacingOf(DcmItem& data, std::strin
     }
   }
   found.erase(found.find_last_not_of(' ') + 1);
-  why = "expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
-        "Magnification Factor, found " +
-    (found.empty() ? "neither" : found) + ": the size of a pixel is not known";
+  why = "expected Imager Pixel Spacing (0018,1164), Nominal Scanned Pixel Spacing (0018,2010) of a "
+        "film, or Pixel Spacing with Estimated Radiographic Magnification Factor, found " +
+    (found.empty() ? "none" : found) + ": the size of a pixel is not known";
   return std::nullopt;
 }
 
