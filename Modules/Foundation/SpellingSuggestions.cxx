@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
 namespace mammoray
@@ -35,6 +36,22 @@ std::size_t LevenshteinDistance(const std::string& a, const std::string& b)
   return row.back();
 }
 
+/// Whether `text` has all the words of `wanted`, two or more of three letters, in any order.
+bool HasWords(const std::string& text, const std::string& wanted)
+{
+  std::istringstream words(wanted);
+  std::size_t count = 0;
+  for (std::string word; words >> word;)
+  {
+    if (word.size() >= 3 && text.find(word) == std::string::npos)
+    {
+      return false;
+    }
+    count += word.size() >= 3 ? 1 : 0;
+  }
+  return count >= 2;
+}
+
 std::string Joined(const std::vector<std::string>& names, const std::string& last)
 {
   std::string text;
@@ -57,7 +74,7 @@ std::vector<std::string> SpellingSuggestions(const std::string& name,
     const std::size_t distance = LevenshteinDistance(wanted, other);
     const bool holds = std::min(wanted.size(), other.size()) >= 3 &&
       (other.find(wanted) != std::string::npos || wanted.find(other) != std::string::npos);
-    if (holds || distance <= std::max<std::size_t>(1, wanted.size() / 3))
+    if (holds || HasWords(other, wanted) || distance <= std::max<std::size_t>(1, wanted.size() / 3))
     {
       ranked.emplace_back(distance, candidate);
     }

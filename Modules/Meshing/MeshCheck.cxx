@@ -424,6 +424,10 @@ private:
     {
       const std::uint64_t a = this->Corners[corner];
       const std::uint64_t b = this->Corners[Next(corner)];
+      if (a == b)
+      {
+        continue; // of a triangle without area; its other two sides close each other
+      }
       this->Edges.push_back({ a < b ? (a << 32) | b : (b << 32) | a, corner, a < b });
     }
     std::sort(this->Edges.begin(), this->Edges.end(),

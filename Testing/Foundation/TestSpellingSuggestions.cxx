@@ -15,6 +15,8 @@ TEST(SpellingSuggestions, AreThoseAFewLettersAway)
   EXPECT_THAT(SpellingSuggestions("Muskle", known), ElementsAre("muscle"));
   EXPECT_THAT(SpellingSuggestions("gland", known), ElementsAre("glandular"));
   EXPECT_THAT(SpellingSuggestions("butter", known), IsEmpty());
+  EXPECT_THAT(SpellingSuggestions("cortical bone", { "Bone, Cortical (ICRP)", "Bone, Compact" }),
+    ElementsAre("Bone, Cortical (ICRP)"));
 }
 
 TEST(SpellingSuggestions, NearestComeFirst)

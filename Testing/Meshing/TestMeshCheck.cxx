@@ -226,6 +226,17 @@ TEST(MeshCheck, DoubledTrianglesAreNoHoles)
   EXPECT_NEAR(check.Materials[0].VolumeMm3, volume, 1e-9);
 }
 
+TEST(MeshCheck, TrianglesThatNameAPointTwiceAreNoHoles)
+{
+  SurfaceMesh surface;
+  AddSphere(surface, { 10, 20, 30 }, 5, 2, 3);
+  AddTriangle(surface, 4, 4, 9, 3, 0);
+  const MeshCheck check = CheckSurface(surface);
+  EXPECT_FALSE(check.Find(Kind::Holes));
+  ASSERT_TRUE(check.Find(Kind::FlatTriangles));
+  EXPECT_EQ(check.Find(Kind::FlatTriangles)->Count, 1u);
+}
+
 TEST(MeshCheck, TurnedAndDoubledTrianglesAndHolesAreToldApart)
 {
   SurfaceMesh surface;

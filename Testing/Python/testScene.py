@@ -353,6 +353,8 @@ refused("points: expected numbers", mr.Mesh, POINTS.astype(str), TRIANGLES)
 refused("cells: expected m x 3 triangles or m x 4 tetrahedra, found 12 x 2", mr.Mesh, POINTS, TRIANGLES[:, :2])
 refused("expected 0 to 7, found 8", mr.Mesh, POINTS, TRIANGLES + 1)
 refused("quads?", mr.Mesh, POINTS, quads.data)
+assert (mr.Mesh(POINTS, TRIANGLES.astype(float)).cells == mr.Mesh(POINTS, TRIANGLES).cells).all()  # of a text of numbers
+refused("expected a whole number, found inf", mr.Mesh, POINTS, TRIANGLES + numpy.inf)
 refused("expected a whole number, found 1.5", mr.Mesh, POINTS, TRIANGLES * 0.75)
 refused("regions: expected 12 values, found 11", mr.Mesh, POINTS, TRIANGLES, numpy.ones(11))
 refused("points: expected 8 x 3 values", setattr, mr.Mesh(POINTS, TRIANGLES), "points", POINTS[:4])

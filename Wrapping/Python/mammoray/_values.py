@@ -27,16 +27,19 @@ def array_of(values: ArrayLike, name: str, shape: Sequence[Optional[int]], kind:
     if array.ndim != len(shape) or any(length not in (None, found) for length, found in zip(shape, array.shape)):
         raise InputError(f"{name}: expected {wanted} values, found {' x '.join(map(str, array.shape)) or 'one number'}")
     if array.dtype.kind not in "iufb":
-        raise InputError(f"{name}: expected numbers, found {array.dtype}")
+        raise InputError(f"{name}: expected numbers, found {'text' if array.dtype.kind in 'US' else array.dtype}")
     if kind is float:
         array = array.astype(numpy.float64)
         if not numpy.isfinite(array).all():
             place = tuple(int(index) for index in numpy.argwhere(~numpy.isfinite(array))[0])
             raise InputError(f"{name}[{', '.join(map(str, place))}]: expected a finite number, found {array[place]}")
         return array
-    if array.dtype.kind == "f" and not (array == numpy.floor(array)).all():
-        place = tuple(int(index) for index in numpy.argwhere(array != numpy.floor(array))[0])
-        raise InputError(f"{name}[{', '.join(map(str, place))}]: expected a whole number, found {array[place]}")
+    if array.dtype.kind == "f":
+        wrong = numpy.argwhere(~(numpy.isfinite(array) & (array == numpy.floor(array))))
+        if len(wrong) > 0:
+            place = tuple(int(index) for index in wrong[0])
+            raise InputError(f"{name}[{', '.join(map(str, place))}]: expected a whole number, found {array[place]}")
+        array = array.astype(numpy.int64)
     return array
 
 
