@@ -1,4 +1,4 @@
-# What goes into which Debian package (cpack, generator DEB), with the manual pages, the completion script, copyright
+# Contents of the Debian packages (cpack, generator DEB), with the manual pages, the completion script, copyright
 # and changelog that Debian's policy asks for. The components are those of the install rules.
 include("${CMAKE_CURRENT_SOURCE_DIR}/Packaging/Settings.cmake")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
@@ -42,7 +42,7 @@ endif ()
 set(CPACK_DEBIAN_DATA_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DATA_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
-# What programs of others that link these libraries are to depend on.
+# Dependencies of other programs that link these libraries.
 set(shlibs "")
 foreach (module IN LISTS MAMMORAY_MODULES)
   string(APPEND shlibs "libmammoray${module} ${soversion} ${libraries} (>= ${PROJECT_VERSION})\n")

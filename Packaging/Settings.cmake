@@ -1,4 +1,4 @@
-# What all Debian packages share (cpack, generator DEB): the set of the whole project and that of the projector alone.
+# Settings that all Debian packages share (cpack, generator DEB): the set of the whole project and that of the projector alone.
 set(MAMMORAY_PACKAGING "${CMAKE_CURRENT_LIST_DIR}")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR MammoRay)

@@ -18,7 +18,7 @@ target_precompile_headers(mammorayTestSupport PRIVATE
   <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <numbers> <random> <sstream> <string> <vector>
   <gmock/gmock.h> <gtest/gtest.h>)
 set_target_properties(mammorayTestSupport PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-# What is tested is compiled as it is shipped; the tests themselves, four of ten lines, in two thirds of the time.
+# The modules are compiled as they are shipped; the tests themselves, four of ten lines, in two thirds of the time.
 set(MAMMORAY_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>")
 target_compile_options(mammorayTestSupport PRIVATE -fPIE ${MAMMORAY_TEST_OPTIONS})
 # For the one source: a precompiled header wants the same definitions, too.

@@ -145,7 +145,7 @@ def search_table(twins):
     for exact in twins:
         if exact["search"] != "exact" or not exact["iterationCosts"]:
             continue
-        # As low: but for what the search itself neglects. All searches have the same start.
+        # Equally low, except for terms that the search itself neglects. All searches have the same start.
         cost, begin = exact["iterationCosts"][-1] + 0.125, exact["iterationSeconds"][0]
         for search in ("exact", "central-differences", "annealing"):
             run = runs.get((exact["phantom"], exact["kind"], exact["number"], search))
@@ -216,7 +216,7 @@ def study_tables(studies):
 
 
 def projection_table(studies):
-    """What a second mammogram and what projections of one compression add to a CC."""
+    """Table of what a second mammogram, and projections of one compression, add to a CC."""
     swept = [run for run in studies if run["projections"]]
     rows = []
     for name, key in (("CC alone", "ccAlone"), ("CC with MLO", "views"), ("projections of the CC's compression", "projections")):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What came of a cohort: one table (CSV) and one page (HTML), the cases to look at first on top."""
+"""Summarises a cohort: one table (CSV) and one page (HTML), the cases to look at first on top."""
 import csv
 import html
 import json

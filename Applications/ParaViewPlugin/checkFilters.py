@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What writeFilters.py says of the filters against their headers, without ParaView: every property's setter is there and takes so many
-values, every setter is offered, each property is documented, and its default lies in its range. And that openResult.py opens result
-files of the version that is written."""
+"""Compares writeFilters.py with the headers of the filters, without ParaView: every property's setter is there and takes so many
+values, every setter is offered, each property is documented, and its default lies in its range. openResult.py opens result files
+of the version that is written."""
 import pathlib
 import re
 import sys

@@ -198,7 +198,7 @@ def run_command():
     if not os.path.isfile(os.path.join(arguments.result, "result.json")):
         raise SystemExit(f"{arguments.result}: expected a folder with result.json")
     if arguments.plugin:
-        simple.LoadPlugin(arguments.plugin, remote=False, ns=globals())
+        simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
     view = open_result(os.path.abspath(arguments.result), arguments.lesion, arguments.radius)
     if arguments.state:
         simple.SaveState(arguments.state)

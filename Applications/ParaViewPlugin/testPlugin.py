@@ -34,7 +34,7 @@ for name, label in (("BreastMesher", "Breast Mesher"), ("BreastCompression", "Br
     prototype = manager.GetPrototypeProxy("filters", name)
     assert prototype.GetXMLLabel() == label and prototype.GetHints().FindNestedElementByName("ShowInMenu")
 
-# What is shipped is there to choose from.
+# Shipped tables and spectra are there to choose from.
 def shipped(kind, extension):
     return {os.path.splitext(name)[0] for name in os.listdir(os.path.join(root, "Data", kind)) if name.endswith(extension)}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What is written of the options, out of their declarations (mammoray --print-schema).
+"""Writes manual pages, completion and reference pages from the declared options (mammoray --print-schema).
 
 usage: writeReference.py MAMMORAY FOLDER          FOLDER/man1, manual pages of the program and each command; FOLDER/completion, for bash
        writeReference.py MAMMORAY --update ROOT   Data/case.schema.json and docs/reference/commands (the keys of results by Data/result.schema.json)

@@ -17,7 +17,7 @@ import pathlib
 import re
 import sys
 
-# What each module may include beside itself and Foundation.
+# The modules that each module may include beside itself and Foundation.
 SOLVERS = {"Biomechanics", "XRay", "Meshing", "Segmentation"}
 MAY_INCLUDE = {
     "Foundation": set(),

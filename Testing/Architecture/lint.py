@@ -24,7 +24,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # The version that the style was written for: others format and warn otherwise.
 FORMAT, TIDY = "clang-format-14", "clang-tidy-14"
-# What a source defines at the left margin under a name without `::`: its types, functions, constants and macros; a
+# A definition of a source at the left margin under a name without `::`: its types, functions, constants and macros; a
 # function with what it takes, for others of its name may stand beside it; another name of a type with what it is.
 OWN_NAMES = re.compile(
     r"^(?!namespace\b|using namespace\b|return\b|else\b)"
@@ -80,7 +80,7 @@ def arguments_of(entry):
 
 
 def own_names(text):
-    """What a source defines: by name an alias' type or "(" for functions, which may be told apart by what they take,
+    """The names that a source defines: by name an alias' type or "(" for functions, which may be told apart by what they take,
     by name and parameters; with None what no other source may define."""
     names = {}
     for alias, type_name, class_name, macro, other, parameters in OWN_NAMES.findall(text):
@@ -95,12 +95,12 @@ def own_names(text):
 
 
 def disagree(one, other):
-    """Whether two sources define something that cannot stand beside the other's."""
+    """True if two sources define something that cannot stand beside the other's."""
     return any(one[name] is None or one[name] != other[name] for name in one.keys() & other.keys())
 
 
 def sources_of(path):
-    """What is compiled: the file, or those that a unity build's file includes."""
+    """The compiled sources: the file, or those that a unity build's file includes."""
     if path.parent.name != "Unity":
         return [path]
     return [pathlib.Path(name) for name in re.findall(r'#include "(/[^"]+\.cxx)"', path.read_text())]

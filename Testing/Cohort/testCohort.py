@@ -29,7 +29,7 @@ if mode == "slurm" and "MAMMORAY_ALONE" not in os.environ:
     os.environ["MAMMORAY_ALONE"] = "1"
     os.execvp("unshare", ["unshare", "-nu", "sh", "-c", 'hostname localhost; ip link set lo up; ip addr add 192.0.2.1/32 dev lo; exec "$@"', "sh", sys.executable, *sys.argv])
 
-# As small as they can be: what is found is not looked at.
+# These are as small as they can be, because nobody looks at their results.
 STUDY = ("--mri-pixel 3 --mri-slice 4 --mammogram-pixel 0.3 --label-spacing 2 --anatomy-cell 14 --gravity-fineness 3 "
          "--compression-fineness 4").split()
 OPTIONS = ("--anatomy-cell-size 14 --simulation-cell-size 25 --pixel-sizes 8 --free thickness --iterations 1 --chest-wall held "

@@ -6,7 +6,9 @@
 - words are spelt as aspell's dictionary or words.txt has them (left out where there is no aspell);
 - pages that a person writes have at most MOST_WORDS words in all, code included (wc -w), README.md at most MOST_LINES lines;
 - messages of the page on troubleshooting are in the sources;
-- each page of docs with blocks to run is listed in CMakeLists.txt.
+- each page of docs with blocks to run is listed in CMakeLists.txt;
+- CHANGELOG.md has at most MOST_BULLETS points for each release;
+- docstrings and comments of Python have a subject: they do not begin with "What", "Whether", "Of" or "As".
 
 usage: checkPages.py PROJECT-FOLDER [WORD-LIST]
 """
@@ -18,6 +20,8 @@ import sys
 
 MOST_WORDS = 15000
 MOST_LINES = 70
+MOST_BULLETS = 10
+NO_SUBJECT = re.compile(r'^[^"\'#\n]*(?:"""|# )(?:What|Whether|Of|As) .*', re.MULTILINE)
 FENCE = re.compile(r"^( *)```.*?^\1```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[(?:[^\]\[]|\[[^\]]*\])*\]\(<?([^)\s>]+)>?\)")
 
@@ -90,6 +94,20 @@ def check_messages(root, page, wrong):
             wrong.append(f"{page.relative_to(root)}: no source says: {message}")
 
 
+def check_changes(path, wrong):
+    for release in re.split(r"^## ", path.read_text(), flags=re.MULTILINE)[1:] if path.exists() else []:
+        bullets = len(re.findall(r"^- ", release, re.MULTILINE))
+        if bullets > MOST_BULLETS:
+            wrong.append(f"{path.name}: {release.split()[0]}: expected at most {MOST_BULLETS} points, found {bullets}")
+
+
+def check_subjects(root, wrong):
+    for top in ("Applications", "Packaging", "Testing", "Validation", "Wrapping", "docs"):
+        for path in sorted((root / top).rglob("*.py")) if (root / top).is_dir() else []:
+            for found in NO_SUBJECT.findall(path.read_text()):
+                wrong.append(f"{path.relative_to(root)}: expected a subject: {found.strip()}")
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     here = pathlib.Path(__file__).resolve().parent
@@ -108,6 +126,8 @@ def main():
     lines = len((root / "README.md").read_text().splitlines())
     if lines > MOST_LINES:
         wrong.append(f"README.md: expected at most {MOST_LINES} lines, found {lines}")
+    check_changes(root / "CHANGELOG.md", wrong)
+    check_subjects(root, wrong)
     listed = root / "Testing/Docs/CMakeLists.txt"
     for path in written:
         runs = re.search(r"^ *```\w+ (run|of) *", path.read_text(), re.MULTILINE)

@@ -22,7 +22,7 @@ if shutil.which("aspell"):
     FAULTS["unknown words: speling"] = "The speling is wrong.\n"
 
 
-def run(fault, messages=""):
+def run(fault, messages="", changes="", code=""):
     with tempfile.TemporaryDirectory() as name:
         root = pathlib.Path(name)
         for folder in ("docs/how-to", "Testing/Docs", "Modules"):
@@ -33,6 +33,8 @@ def run(fault, messages=""):
         (root / "Testing/Docs/CMakeLists.txt").write_text("set(pages other)\n")
         (root / "Modules/Read.cxx").write_text('throw Error("expected a " +\n  "mesh, found " + what);\n')
         (root / "docs/how-to/troubleshooting.md").write_text(messages)
+        (root / "CHANGELOG.md").write_text(changes)
+        (root / "docs/draw.py").write_text(code)
         (root / "words.txt").write_text("mammoray\n")
         done = subprocess.run([sys.executable, CHECK, root, root / "words.txt"], capture_output=True, text=True)
         return done.returncode, done.stdout
@@ -46,3 +48,11 @@ for expected, fault in FAULTS.items():
 assert run("", MESSAGES)[0] == 0, run("", MESSAGES)
 status, output = run("", MESSAGES.replace("a mesh", "a message"))
 assert status == 1 and "no source says" in output, output
+ten = "# Changelog\n\n## 1.1.0 (today)\n\n" + 10 * "- a point\n"
+assert run("", changes=ten + "\n## 1.0.0\n\n- a point\n")[0] == 0
+status, output = run("", changes=ten + "- one more\n")
+assert status == 1 and "1.1.0: expected at most 10 points, found 11" in output, output
+assert run("", code='def draw():\n    """Draws it."""  # By hand.\n')[0] == 0
+for fault in ('    """What is drawn."""', "x = 1  # Of all.", "# Whether it is drawn"):
+    status, output = run("", code=fault + "\n")
+    assert status == 1 and "draw.py: expected a subject: " + fault.strip() in output, output

@@ -2,7 +2,7 @@
 include("${CMAKE_CURRENT_LIST_DIR}/../../Modules/MammoRayModule.cmake")
 set(Tried_DIR "${CMAKE_CURRENT_BINARY_DIR}/tried-${FOUND}")
 file(WRITE "${Tried_DIR}/TriedConfig.cmake" "")
-# As those of ITK and CGAL: with no look at an upper end.
+# Like those of ITK and CGAL, it does not look at an upper end.
 file(WRITE "${Tried_DIR}/TriedConfigVersion.cmake" "set(PACKAGE_VERSION ${FOUND})
 if (NOT PACKAGE_VERSION VERSION_LESS PACKAGE_FIND_VERSION)
   set(PACKAGE_VERSION_COMPATIBLE TRUE)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What quickstart installs on each release of Debian and says elsewhere, with commands of the system that only note how they are called.
+"""Checks what quickstart installs on each release of Debian and prints elsewhere. The system's commands only note how they are called.
 Exit 125: no namespace can be made, in which /etc/os-release is another.
 
 usage: testQuickstart.py PROJECT-FOLDER"""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a release consists of, as far as it is made in seconds, in a clone: sources, notes, SPDX, sums; what is refused; and that the
-workflows of GitHub and GitLab only call scripts. Exit 125: no git here, or no PyYAML.
+"""Checks the quick parts of a release, in a clone: sources, notes, SPDX, sums; what is refused. The workflows of GitHub and GitLab
+only call scripts. Exit 125: no git here, or no PyYAML.
 
 usage: testRelease.py PROJECT-FOLDER"""
 import hashlib
@@ -77,7 +77,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert {one["spdxElementId"], one["relatedSpdxElement"]} <= known, one
     names = {entry["name"] for entry in spdx["packages"]}
     assert {"mammoray", "libcgal-dev", "libvtk9-dev", archive.name} <= names, names
-    # What is not committed is no part of a release.
+    # Files that are not committed are no part of a release.
     (clone / "README.md").write_text("changed")
     code, said = release(version, "source")
     assert code == 1 and "expected everything committed, found changes:  M README.md" in said, said

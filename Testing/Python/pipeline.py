@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Python tests share: numpy arrays to VTK and back, and a small breast."""
+"""Shared by the Python tests: numpy arrays to VTK and back, and a small breast."""
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData

@@ -41,7 +41,7 @@ raises("no quantity 'beam.kve'", projector.SetKey, "beam.kve", "19")
 raises("SetKey beam.kev: expected a number from 1 to 500", projector.SetKey, "beam.kev", "999")
 raises("no file", mammoray.vtkMammogramReader(FileName="/nowhere.dcm").Update)
 
-# What fails before the filter that is updated is raised by it, too.
+# A filter also raises the failures of the filters before it.
 mesher = mammoray.vtkBreastMesher(MaterialTable="nowhere.json")
 labels, origin = half_ball_labels()
 mesher.SetInputData(image(labels, origin, 2.0))
@@ -91,7 +91,7 @@ for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing"
     except mammoray.Error as error:
         assert text in str(error), error
 
-# What is no breast.
+# Inputs that are no breast.
 raises("breast: expected a Mesh or its points", mammoray.register, labels, "a.dcm", materials="victre")
 raises("breast.spacing: ", mammoray.register, mammoray.LabelVolume(labels, (2, 2)), "a.dcm", materials="victre")
 raises("breast.labels: ", mammoray.register, mammoray.LabelVolume(labels[0], (2, 2, 2)), "a.dcm", materials="victre")

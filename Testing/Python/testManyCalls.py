@@ -61,7 +61,7 @@ def other_beam(number):
 kinds = {"unchanged": lambda number: None, "moved": move, "another beam": other_beam}
 for change in kinds.values():
     cost(change, 200)  # what is allocated once
-# What a call costs on the host: nothing is traced but for moved points, whose way to the device is all that counts here. The best
+# Time of a call on the host: nothing is traced but for moved points, whose way to the device is all that counts here. The best
 # of ten: the machine may be busy.
 overheads = {name: min(cost(change, 50, scene._native if name == "moved" else scene.expose) for _ in range(10))
              for name, change in kinds.items()}

@@ -60,7 +60,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     projector.Update()
     transmission = projector.GetOutput().GetPointData().GetArray("Transmission")
 
-    # As vtkMammogramReader gives it: the first row of the picture is the last of the image.
+    # The order of vtkMammogramReader: the first row of the picture is the last of the image.
     pixels = 10000 * vtk_to_numpy(transmission).reshape(180, 90)[::-1]
     mammogram = vtkImageData()
     mammogram.SetDimensions(90, 180, 1)

@@ -34,7 +34,7 @@ def scene_of(points=POINTS, cells=TRIANGLES, regions=None, *, materials=0.05, so
 
 
 def refused(expected, call, *arguments, **keywords):
-    """What is said of it, in one line."""
+    """Expects a refusal of one line with this text."""
     try:
         made = call(*arguments, **keywords)
         if isinstance(made, mr.Scene):
@@ -150,7 +150,7 @@ for index, sample in enumerate(moving.samples):
         for difference, slopes in zip(differences, (found.translation[index], found.rotation[index])):
             assert abs(difference - slopes @ axis) < 0.02 * abs(slopes).max(), (index, axis, difference, slopes)
 
-# What has not changed is not repeated: of a moved mesh points are refitted, of another beam nothing is traced.
+# Only changes are repeated: a moved mesh is refitted, and another beam traces nothing.
 with mr.Projector() as projector:
     scene = scene_of()
     projector.expose(scene)
@@ -322,7 +322,7 @@ with warnings.catch_warnings(record=True) as caught:
     leak = scene_of(POINTS, numpy.delete(TRIANGLES, [2, 3], axis=0)).expose()
 assert not leak.consistency.any() and len(caught) == 1 and "holes" in str(caught[0].message)
 assert os.path.basename(caught[0].filename) == "testScene.py", "the caller's line"
-# What nothing is seen of is told, with its reason.
+# A sample that is not seen is reported with the reason.
 for expected, points, regions, source in (("are all regions 0?", POINTS, numpy.zeros(12), (0, 0, 400)), ("behind the source", POINTS, None, (0, 0, 5)),
                                           ("behind the detector", POINTS - [0, 0, 50], None, (0, 0, 400)),
                                           ("mm wide: a file in metres?", POINTS / 1000 + [0.2, 0.2, 0], None, (0, 0, 400))):
@@ -331,7 +331,7 @@ for expected, points, regions, source in (("are all regions 0?", POINTS, numpy.z
         nothing = scene_of(points, regions=regions, source=source, materials=[0.05]).expose()
     assert (nothing.transmission == 1).all() and len(caught) == 1, (expected, caught)
     assert "the picture is empty" in str(caught[0].message) and expected in str(caught[0].message), caught[0].message
-# What pictures suffer from, when it is asked for: parts that overlap, and what falls beside the detector.
+# check() finds parts that overlap, and shadows beside the detector.
 crossing = mr.Scene([mr.Sample(mr.Mesh(POINTS, TRIANGLES), 0.1), mr.Sample(mr.Mesh(POINTS + 5, TRIANGLES), 0.2)],
                     source=mr.Source((0, 0, 400)), detector=mr.Detector(origin=(-99, -99, 0), column_direction=(1, 0, 0),
                                                                         row_direction=(0, 1, 0), columns=100, rows=100, pixel_spacing=2))

@@ -32,7 +32,7 @@ sides = mr.Mesh(points, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 1, 4), 
                 [(2, 1), (0, 1), (0, 1), (0, 1), (2, 0), (2, 0), (2, 0)])
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
-    # What is saved is loaded alike: one region (.ply), two sides (.vtp), tetrahedra (.vtu), a file that is there (.stl).
+    # Saved meshes load alike: one region (.ply), two sides (.vtp), tetrahedra (.vtu), a file that is there (.stl).
     stl = os.path.join(folder, "box.stl")
     writer = vtkSTLWriter()
     writer.SetFileName(stl)

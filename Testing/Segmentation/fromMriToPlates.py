@@ -26,7 +26,7 @@ TURNED_PER_VIEW = {"CC": 0.0, "MLO": 45.0}
 
 
 def run(*words):
-    """What a command prints, and its seconds of processor time."""
+    """Runs a command; gives its output and its seconds of processor time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -55,7 +55,7 @@ def height_across(mesh, degrees, side):
 
 
 def part(pattern, text, otherwise="?"):
-    """What the groups of the pattern match in what a command printed."""
+    """The groups of the pattern in the output of a command."""
     found = re.search(pattern, text)
     return " ".join(group for group in found.groups() if group) if found else otherwise
 

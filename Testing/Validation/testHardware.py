@@ -17,7 +17,7 @@ sys.path[:0] = [str(FOLDER / "Hardware"), str(FOLDER / "Benchmarks")]
 import checkHardware  # noqa: E402
 import projectionTables as tables  # noqa: E402
 
-# As GoogleTest writes it: one test that holds, one that fails, one that is skipped.
+# Output in GoogleTest's form: one test that holds, one that fails, one that is skipped.
 PROOFS = {"time": "2.5s", "testsuites": [{"name": "Beam", "testsuite": [
     {"name": "Holds", "result": "COMPLETED"},
     {"name": "Fails", "result": "COMPLETED", "failures": [{"failure": "expected 1 < 0"}]},

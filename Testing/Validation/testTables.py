@@ -130,7 +130,7 @@ class Tables(unittest.TestCase):
         self.assertIn("Limit of 0.46, chosen on even numbers: 0 % of the wrong and 100 % of the right ones pass; of odd numbers 100 % of the "
                       "wrong and 100 %", text)
         self.assertIn("of odd ones 100 % of the wrong and 50 % of the right ones.", text)
-        # Of the odd numbers one of one is wrong, one of two right: the middle of the right edge.
+        # One of one is wrong and one of two right among odd numbers: the middle of the right edge.
         results = tables.judged_results({"twins": twins, "studies": [], "mammograms": []})
         self.assertEqual(tables.curve_points(results, True, [0.6]), [[1.0], [0.5]])
         [wrong, right] = tables.curve_points(results, False)

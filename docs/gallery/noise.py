@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same part with more and more photons per pixel."""
+"""One part with more and more photons per pixel."""
 import sys
 
 import mammoray as mr

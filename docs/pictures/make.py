@@ -40,7 +40,7 @@ def sum_of(data):
 
 
 def code_of(function):
-    """Of a function its source, of a script of the gallery its text."""
+    """Sum of a function's source, or of the text of a script of the gallery."""
     if isinstance(function, functools.partial):
         return sum_of(function.keywords["script"].read_bytes())
     return sum_of(inspect.getsource(function).encode())

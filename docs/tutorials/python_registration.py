@@ -151,6 +151,6 @@ figure.colorbar(shown, ax=axes, shrink=0.7)
 figure.savefig(folder / "mammograms.png", dpi=90, bbox_inches="tight")
 
 # %%
-# What the tests ask of this page.
+# The tests check this.
 assert correlation > 0.9 and outline < 2
 assert 45 < values[0] < 55  # the FDA's own compression: 49.8 mm

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""What has become of a job of Slurm, for Snakemake: running, success or failed. Needs no accounting database."""
+"""Prints the state of a Slurm job for Snakemake: running, success or failed. Needs no accounting database."""
 import re
 import subprocess
 import sys

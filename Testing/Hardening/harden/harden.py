@@ -188,7 +188,7 @@ def try_disk(program, makers):
     return disk
 
 
-# What a process may be born into; the work is done.
+# Odd surroundings of a process, in which the work is done.
 SURROUNDINGS = (("SIGCHLD ignored", "trap '' CHLD; exec {}"),
                 ("no home", "unset XDG_CACHE_HOME; HOME=/dev/null exec {}"),
                 ("a stack of 1 MiB", "ulimit -s 1024; exec {}"),

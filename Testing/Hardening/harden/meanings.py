@@ -85,7 +85,7 @@ class Meanings:
         self.count.add(answer.refused() or (answer.done() and MATCH not in answer.out), what, answer.told())
 
     def at_once(self):
-        """What is refused before any work."""
+        """Tries files that are refused before any work."""
         register, out = self.program.register, self.program.path("meaning")
         factor = self.draws.choice([1000, 700, 2000, 1e-3])
         self.refused("moduli times %g" % factor, register(out, "--materials", self.table_with(youngs_modulus_kpa=factor)))
@@ -131,7 +131,7 @@ class Meanings:
             self.refused(what, register(out, "--mammogram", self.changed((tag, b"DS", text))))
 
     def without_crash(self):
-        """What is taken on request still ends well."""
+        """Tries files that are accepted on request; they still end well."""
         table = self.table_with(density_g_per_cm3=1000, unusual=True)
         mesh = self.program.path("dense.vtu")
         made = self.program.run("mesh", "--labels", self.program.phantom("labels.nrrd"), "--materials", "victre", "--label-spacing",
@@ -146,7 +146,7 @@ class Meanings:
                      self.program.register(self.program.path("meaning"), "--materials", table))
 
     def searched(self, quick):
-        """What a registration has to run for to be told."""
+        """Tries files whose fault only a registration can find."""
         register, out = self.program.register, self.program.path("meaning")
         presentation = "1.2.840.10008.5.1.4.1.1.1.2"
         intent = [((8, 0x68), b"CS", "FOR PRESENTATION"), ((8, 0x16), b"UI", presentation), ((2, 2), b"UI", presentation)]

@@ -10,10 +10,10 @@ from dicomBytes import DicomBytes
 from program import Count
 
 TEXTS = {b"AE", b"CS", b"LO", b"LT", b"PN", b"SH", b"ST", b"UC", b"UT", b"UR"}
-# What a reader has to understand to take the file.
+# Texts that a reader has to understand to take the file.
 NEEDED = {(8, 0x60), (8, 0x68), (8, 0x08), (0x28, 4), (0x18, 0x5101), (0x20, 0x62), (0x20, 0x20), (0x28, 0x1040),
           (0x18, 0x5100), (8, 5), (0x18, 0x20), (0x18, 0x22), (0x18, 0x23), (0x28, 0x301), (0x28, 0x1056)}
-# What exports hold beside what our own files do: of the patient, of who treats her, of the place, comments, private.
+# Texts that exports hold and our own files do not: of the patient, of who treats her, of the place, comments, private.
 FURTHER = [((8, 0x50), b"SH"), ((8, 0x70), b"LO"), ((8, 0x80), b"LO"), ((8, 0x81), b"ST"), ((8, 0x90), b"PN"),
            ((8, 0x1010), b"SH"), ((8, 0x1030), b"LO"), ((8, 0x103E), b"LO"), ((8, 0x1040), b"LO"), ((8, 0x1048), b"PN"),
            ((8, 0x1050), b"PN"), ((8, 0x1070), b"PN"), ((8, 0x1090), b"LO"), ((0x10, 0x10), b"PN"), ((0x10, 0x20), b"LO"),
@@ -22,7 +22,7 @@ FURTHER = [((8, 0x50), b"SH"), ((8, 0x70), b"LO"), ((8, 0x80), b"LO"), ((8, 0x81
            ((0x18, 0x1030), b"LO"), ((0x18, 0x1000), b"LO"), ((0x18, 0x1191), b"CS"), ((0x18, 0x7050), b"CS"),
            ((0x20, 0x10), b"SH"), ((0x20, 0x4000), b"LT"), ((0x32, 0x1060), b"LO"), ((0x40, 0x253), b"SH"),
            ((0x40, 0x254), b"LO"), ((0x9, 0x10), b"LO"), ((0x9, 0x1001), b"UT")]
-# What --same-patient copies, as archives need it; the last three of the MRI's series.
+# The attributes that --same-patient copies, because archives need them; the last three of the MRI's series.
 COPIED = {(0x10, 0x10), (0x10, 0x20), (0x10, 0x40), (8, 0x50), (8, 0x90), (0x20, 0x10), (8, 0x70), (8, 0x103E), (0x18, 0x1030)}
 MARK = "Zq%sxMark%d^Anna"
 COMMON = b"xMark"
@@ -176,7 +176,7 @@ def try_objects(program, marks, count, words):
 
 
 def try_meshes(program, marks, count):
-    """What is made of labels alone, whose name is a patient's."""
+    """Tries outputs made of labels alone, whose name is a patient's."""
     labels = os.path.join(program.path("patient"), marks.new() + ".nrrd")
     shutil.copy(program.phantom("labels.nrrd"), labels)
     path = program.path("private-mesh.vtu")

@@ -28,7 +28,7 @@ class Answer:
             self.lines[0].startswith("mammoray: ") and self.lines[0].isprintable()
 
     def misused(self):
-        """As refused, with a second line that names the help."""
+        """True if refused for wrong usage, with a second line that names the help."""
         return self.status == 2 and self.out == "" and len(self.lines) == 2 and self.lines[0].isprintable()
 
     def done(self):
@@ -101,7 +101,7 @@ class Program:
 
 
 class Count:
-    """What was tried of one class, and what was not survived."""
+    """Counts the trials of one class, and those that were not survived."""
 
     def __init__(self, name):
         self.name = name

@@ -27,7 +27,7 @@ SCENE = {"description": "two boxes", "unit": "mm", "source": {"position": [0, -5
 
 
 def places(node, path=()):
-    """Of all parts within."""
+    """The paths of all parts within."""
     parts = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, part in parts:
         yield path + (key,)
@@ -80,7 +80,7 @@ def registration(program, *words):
 
 
 def checkpoint_of(program, output):
-    """Of a registration that was killed after its first step; none where it was done before."""
+    """The checkpoint of a registration that was killed after its first step; none if it was done before."""
     path = output + ".checkpoint.json"
     words = [output if word == "{}" else 6 if word == 1 else word for word in registration(program)]
     process = program.start(*words)

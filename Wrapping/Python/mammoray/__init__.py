@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from ._filters import (vtkBreastCompression, vtkBreastMesher, vtkBreastRegistration, vtkMammogramReader,
                            vtkXRayProjector)
 
-# What needs VTK, which is loaded when one of these is asked for.
+# Names that need VTK, which is loaded at their first use.
 _WITH_VTK = {
     **dict.fromkeys(("Compression", "LabelVolume", "Mammogram", "Registration", "compress", "mesh", "register"), "_breast"),
     **dict.fromkeys(("vtkBreastCompression", "vtkBreastMesher", "vtkBreastRegistration", "vtkMammogramReader",

@@ -102,7 +102,7 @@ class Mammogram:
 
 @dataclasses.dataclass(frozen=True)
 class Registration:
-    """What a registration found.
+    """Result of a registration.
 
     points: n x 3, the breast as the mammogram shows it, mm; displacement: n x 3, from where they were
     tetrahedra: m x 4, rows of points, from 0; regions: m, the material of each

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What this package raises. The text is one line: what was expected, what was found and where."""
+"""Exceptions of this package. The text is one line: what was expected, what was found and where."""
 
 
 class Error(RuntimeError):

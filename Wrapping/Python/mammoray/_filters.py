@@ -17,7 +17,7 @@ from ._values import suggestion
 
 
 class _Heard(threading.local):
-    """What was said while a filter of ours works."""
+    """Collects the messages of a running filter of this package."""
     depth = 0
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ def _raising(call: Callable[..., Any], algorithm: Any, *arguments: Any) -> Any:
 
 
 class _Algorithm:
-    """What the wrapped classes are given."""
+    """Adds keywords, exceptions and Ctrl-C to the wrapped classes."""
     __slots__ = ()
 
     def __new__(cls, **properties: Any) -> Any:  # VTK's own takes no keywords
@@ -124,19 +124,19 @@ class _Algorithm:
                 raise InputError(f"{type(self).__name__}: {name}={value!r}: {error}") from None
 
     def Update(self, *arguments: Any) -> None:
-        """As VTK's; raises Error where this filter or one of ours before it fails, KeyboardInterrupt on Ctrl-C."""
+        """Works as VTK's. Raises Error if this filter or one of this package before it fails, KeyboardInterrupt on Ctrl-C."""
         _raising(super().Update, self, *arguments)  # type: ignore[misc]
 
     def UpdateTimeStep(self, *arguments: Any) -> int:
-        """As VTK's; raises as Update does."""
+        """Works as VTK's; raises as Update does."""
         return _raising(super().UpdateTimeStep, self, *arguments)  # type: ignore[misc]
 
     def UpdateWholeExtent(self, *arguments: Any) -> int:
-        """As VTK's; raises as Update does."""
+        """Works as VTK's; raises as Update does."""
         return _raising(super().UpdateWholeExtent, self, *arguments)  # type: ignore[misc]
 
     def UpdateInformation(self, *arguments: Any) -> None:
-        """As VTK's; raises as Update does."""
+        """Works as VTK's; raises as Update does."""
         _raising(super().UpdateInformation, self, *arguments)  # type: ignore[misc]
 
 
@@ -148,7 +148,7 @@ class vtkBreastCompression(_Algorithm, _wrapped.vtkBreastCompression):
     __doc__ = _wrapped.vtkBreastCompression.__doc__
 
     def SetMaterial(self, *arguments: Any) -> None:
-        """As the wrapped one; raises Error."""
+        """Works as the wrapped one; raises Error."""
         _raising(super().SetMaterial, self, *arguments)
 
 
@@ -156,7 +156,7 @@ class vtkXRayProjector(_Algorithm, _wrapped.vtkXRayProjector):
     __doc__ = _wrapped.vtkXRayProjector.__doc__
 
     def SetKey(self, *arguments: Any) -> None:
-        """As the wrapped one; raises Error."""
+        """Works as the wrapped one; raises Error."""
         _raising(super().SetKey, self, *arguments)
 
 

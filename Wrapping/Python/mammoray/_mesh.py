@@ -82,7 +82,7 @@ class Mesh:
 
 
 def _are_flat(points: NDArray[Any], cells: NDArray[Any]) -> bool:
-    """Whether most of the cells, each of four points, are no bodies but faces."""
+    """True if most of the cells, of four points each, are flat: faces, not bodies."""
     if len(cells) == 0:
         return False
     edges = points[cells[:, 1:]] - points[cells[:, :1]]

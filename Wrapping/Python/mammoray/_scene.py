@@ -28,7 +28,7 @@ Floats = NDArray[numpy.float32]
 
 @dataclasses.dataclass(frozen=True)
 class Material:
-    """What a region is made of.
+    """Material of a region.
 
     attenuation: name of a table ("adipose", "glandular", "muscle", ...), compound ("Water, Liquid"), element or formula ("H2O") or
         mass fractions ("H:0.112 O:0.888"); a number, 1/mm, the same at all energies; or (energies in keV, values in 1/mm)
@@ -67,7 +67,7 @@ class Material:
             lines.tolist(), array_of(values, f"{place}.attenuation: values", (len(lines),)).tolist())) + "/mm"
 
     def _entry(self, place: str, region: int) -> dict[str, Any]:
-        """What a material table says of it."""
+        """The entry of a material table for it."""
         density = density_of(self, place)
         text = self._text(place)
         stated = density is not None and not text.endswith("/mm")
@@ -529,8 +529,8 @@ class Scene(_Part):
         return unit
 
     def check(self) -> list[str]:
-        """What a picture of it would suffer from, a sentence each: surfaces that leak, samples that are not seen whole, parts that overlap
-        and count twice (overlap_priority mends it). Takes an exposure; parts are searched on the host."""
+        """Lists the faults of its picture, a sentence each: surfaces that leak, samples that are not seen whole, parts that overlap and
+        count twice (overlap_priority mends it). Takes an exposure; parts are searched on the host."""
         native = self._native()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -651,7 +651,7 @@ class Exposure:
 
     @property
     def consistency(self) -> NDArray[numpy.bool_]:
-        """Whether every ray of the pixel crossed closed surfaces; elsewhere a mesh leaks and the value is of the neighbours."""
+        """True where every ray of the pixel crossed closed surfaces. Elsewhere a mesh leaks, and the neighbours give the value."""
         return self._native.inconsistent == 0
 
     @property
@@ -669,7 +669,7 @@ class Exposure:
         return Dose(photons, height, kerma, *(dict(zip(self.materials[1:], column[1:])) for column in columns))
 
     def display(self) -> Floats:
-        """What a mammography unit shows: 0 (black) to 1, rim evened out, details raised, sigmoid."""
+        """Picture as a mammography unit shows it: 0 (black) to 1, rim evened out, details raised, sigmoid."""
         return self._native.display()
 
     def derivatives(self, velocities: Union[ArrayLike, Sequence[ArrayLike]]) -> Derivatives:
@@ -787,7 +787,7 @@ class Projector:
         self._native = _xray.Projector(method, device)
 
     def expose(self, scene: Scene, progress: Optional[Progress] = None) -> Exposure:
-        """As Scene.expose."""
+        """Does the same as Scene.expose, on this device."""
         return self._expose(scene._native(), None, 0, False, progress)
 
     def _expose(self, native: Any, view: Any, index: int, air: bool, progress: Optional[Progress]) -> Exposure:

@@ -76,7 +76,7 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
-    """What a mistyped name may have meant, for messages."""
+    """Spelling suggestions for a name, for messages."""
     near = difflib.get_close_matches(name, known, n=3)
     return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
 
