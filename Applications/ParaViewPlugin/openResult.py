@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A result of 'mammoray register' in ParaView: the breast at rest and between the plates, how its tissue moved, the X-ray where the
-detector is, and the rays through a lesion.
+"""A result of 'mammoray register' in ParaView: the breast at rest and between the plates, the X-ray where the detector is, and the rays
+through a lesion. Arrows of how the tissue moved are in the pipeline, hidden. Without the plugin the X-ray is the result's picture.
 
 As a macro (Macros > Import new macro): open the result's uncompressed.vtu, select cells of the lesion if there is one, run.
 Without a window: pvpython openResult.py RESULT [--lesion=X,Y,Z] [--radius MM] [--state FILE.pvsm] [--screenshot FILE.png]"""
@@ -12,7 +12,7 @@ import sys
 
 from paraview import simple
 
-RAYS = 12
+RAYS = 4
 FORMAT_VERSION = 5  # Data/result.schema.json
 
 
@@ -22,7 +22,7 @@ def subtract(a, b):
 
 def combine(origin, *terms):
     """origin + sum of factor * direction."""
-    return [o + sum(factor * direction[axis] for factor, direction in terms) for axis, o in enumerate(origin)]
+    return [o + math.fsum(factor * direction[axis] for factor, direction in terms) for axis, o in enumerate(origin)]
 
 
 def shown(source, view, **properties):
@@ -52,17 +52,32 @@ def add_xray(squeezed, result, view):
     x, y, z, origin = placed["x"], placed["y"], placed["z"], placed["originMm"]
     column, row = grid["columnStepMm"], grid["rowStepMm"]
     spacing = [math.hypot(*column), math.hypot(*row)]
-    table = next(entry["file"] for entry in result["inputs"] if entry["role"] == "Material table")
-    xray = simple.XrayProjector(registrationName="X-ray", Input=squeezed)
-    choose(xray, "MaterialTable", table)
-    choose(xray, "Spectrum", result["spectrum"])
-    xray.PlacedByInput = 0
-    xray.SourcePosition = combine(origin, (unit["sourceToDetectorMm"], z))
-    xray.DetectorOrigin = combine(origin, (grid["originMm"][0], x), (grid["originMm"][1], y))
-    xray.ColumnDirection = combine([0, 0, 0], (column[0] / spacing[0], x), (column[1] / spacing[0], y))
-    xray.RowDirection = combine([0, 0, 0], (row[0] / spacing[1], x), (row[1] / spacing[1], y))
-    xray.PixelSpacing = spacing
-    xray.DetectorSize = [grid["columns"], grid["rows"]]
+    source = combine(origin, (unit["sourceToDetectorMm"], z))
+    corner = combine(origin, (grid["originMm"][0], x), (grid["originMm"][1], y))
+    across = combine([0, 0, 0], (column[0] / spacing[0], x), (column[1] / spacing[0], y))
+    down = combine([0, 0, 0], (row[0] / spacing[1], x), (row[1] / spacing[1], y))
+    if hasattr(simple, "XrayProjector"):
+        table = next(entry["file"] for entry in result["inputs"] if entry["role"] == "Material table")
+        xray = simple.XrayProjector(registrationName="X-ray", Input=squeezed)
+        choose(xray, "MaterialTable", table)
+        choose(xray, "Spectrum", result["spectrum"])
+        xray.PlacedByInput = 0
+        xray.SourcePosition, xray.DetectorOrigin, xray.ColumnDirection, xray.RowDirection = source, corner, across, down
+        xray.PixelSpacing = spacing
+        xray.DetectorSize = [grid["columns"], grid["rows"]]
+    else:
+        picture = simple.MetaFileSeriesReader(FileNames=[os.path.join(os.path.dirname(squeezed.FileName[0]), "synthetic.mha")])
+        xray = simple.ProgrammableFilter(registrationName="X-ray", Input=picture, OutputDataSetType="vtkImageData")
+        normal = [across[1] * down[2] - across[2] * down[1], across[2] * down[0] - across[0] * down[2], across[0] * down[1] - across[1] * down[0]]
+        # MetaFileSeriesReader forgets how the picture lies.
+        place = f"output.SetOrigin({corner}); output.SetSpacing({spacing + [1]})\n"
+        place += f"output.SetDirectionMatrix({[axis[row] for row in range(3) for axis in (across, down, normal)]})\n"
+        xray.Script = ("output.DeepCopy(inputs[0].VTKObject)\n" + place + "output.GetPointData().GetScalars().SetName('LogAttenuation')")
+        xray.RequestInformationScript = f"""
+information = self.GetOutputInformation(0)
+information.Set(vtk.vtkDataObject.ORIGIN(), {corner}, 3)
+information.Set(vtk.vtkDataObject.SPACING(), {spacing + [1]}, 3)
+"""
     display = shown(xray, view, Representation="Slice")
     simple.ColorBy(display, ("POINTS", "LogAttenuation"))
     simple.GetColorTransferFunction("LogAttenuation").ApplyPreset("Grayscale", True)
@@ -76,14 +91,14 @@ def add_breasts(folder, view):
     def reader(name):
         return simple.XMLUnstructuredGridReader(registrationName=name, FileName=[os.path.join(folder, name + ".vtu")])
     rest, squeezed = reader("uncompressed"), reader("compressed")
-    plain(rest, view, [0.9, 0.75, 0.65], Representation="Surface", Opacity=0.15)
+    plain(rest, view, [0.9, 0.75, 0.65], Representation="Surface", Opacity=0.12)
     gland = simple.Threshold(registrationName="inner tissue", Input=squeezed)
     gland.Scalars = ["CELLS", "Material"]
     materials = squeezed.CellData["Material"].GetRange(0)
     # The first material is fat; the others lie in it, or are its skin.
     gland.LowerThreshold, gland.UpperThreshold = materials[0] + 1, materials[0] + 1
-    plain(gland, view, [0.8, 0.3, 0.35], Representation="Surface", Opacity=0.3)
-    plain(squeezed, view, [0.6, 0.75, 0.95], Representation="Surface", Opacity=0.2)
+    plain(gland, view, [0.8, 0.3, 0.35], Representation="Surface", Opacity=0.15)
+    plain(squeezed, view, [0.6, 0.75, 0.95], Representation="Surface", Opacity=0.3)
     arrows = simple.Glyph(registrationName="displacement", Input=rest, GlyphType="Arrow")
     arrows.OrientationArray = arrows.ScaleArray = ["POINTS", "Displacement"]
     arrows.ScaleFactor = 1.0
@@ -91,7 +106,7 @@ def add_breasts(folder, view):
     arrows.MaximumNumberOfSamplePoints = 400
     display = shown(arrows, view)
     simple.ColorBy(display, ("POINTS", "Displacement", "Magnitude"))
-    display.SetScalarBarVisibility(view, True)
+    simple.Hide(arrows, view)
     return rest, squeezed
 
 
@@ -116,13 +131,13 @@ def add_rays(rest, result, lesion, radius, view):
     middle = displaced(rest, lesion)
     for u, v in [[0, 0]] + around:
         through = combine(middle, (u, placed["x"]), (v, placed["y"]))
-        height = sum(a * b for a, b in zip(subtract(through, placed["originMm"]), placed["z"]))
+        height = math.fsum(a * b for a, b in zip(subtract(through, placed["originMm"]), placed["z"]))
         share = result["unit"]["sourceToDetectorMm"] / (result["unit"]["sourceToDetectorMm"] - height)
         # Drawn from somewhat above the paddle: the source is half a metre away.
         above = combine(through, (-0.12, subtract(through, source)))
         lines.append(simple.Line(Point1=above, Point2=combine(source, (share, subtract(through, source)))))
     rays = simple.GroupDatasets(registrationName="rays through the lesion", Input=lines)
-    plain(rays, view, [1.0, 0.85, 0.1], LineWidth=2.0)
+    plain(rays, view, [1.0, 0.85, 0.1], LineWidth=3.0)
     ball = simple.Sphere(registrationName="lesion", Center=middle, Radius=radius)
     plain(ball, view, [0.1, 0.8, 0.3])
 
@@ -136,7 +151,7 @@ def look(view, result):
     view.CameraPosition = combine(focus, (350 * side, placed["x"]), (420, placed["y"]), (260, placed["z"]))
     view.CameraViewUp = placed["z"]
     simple.ResetCamera(view)
-    simple.GetActiveCamera().Dolly(1.35)
+    simple.GetActiveCamera().Dolly(1.15)
     view.OrientationAxesVisibility = 0
 
 
@@ -204,7 +219,7 @@ def run_command():
         simple.SaveState(arguments.state)
     if arguments.screenshot:
         view.ViewSize = [1200, 800]
-        simple.SaveScreenshot(arguments.screenshot, view, ImageResolution=[1200, 800])
+        simple.SaveScreenshot(arguments.screenshot, view, ImageResolution=[1200, 800], OverrideColorPalette="WhiteBackground")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 
 def height(x, y):
-    """Of the true face over the lower one, mm."""
+    """Heights of the true face over the lower one, mm."""
     return 6 + 1.5 * numpy.exp(-((x - 8)**2 + (y + 5)**2) / 60) - 2 * numpy.exp(-((x + 9)**2 + (y - 7)**2) / 90) + 0.4 * numpy.sin(x / 4)
 
 

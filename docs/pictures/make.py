@@ -74,15 +74,17 @@ class Tools:
         values = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
         return values.reshape(count, rows, columns) if count > 1 else values.reshape(rows, columns)
 
-    def breast(self):
-        """Options that place the demo's compressed breast as it was registered."""
-        pose = json.loads((self.demo / "result.json").read_text())
-        words = ["--mesh", self.demo / "compressed.vtu", "--materials", "victre", "--orientation", "ALS", "--support-height", 17,
-                 "--pixel-spacing", 0.25, "--columns", 288, "--rows", 432, "--anchor", *pose["anchorMm"]]
-        for parameter in pose["parameters"]:
-            if parameter["name"] != "stiffness":
-                words += ["--" + parameter["name"].replace("_", "-"), f"{parameter['value']:.6g}"]
-        return words
+    def breast(self, rows=432):
+        """Options that place source and detector around the demo's compressed breast as it was registered; pixels of 0.25 mm."""
+        result = json.loads((self.demo / "result.json").read_text())
+        placed = result["placement"]
+
+        def at(x, y, z):
+            return [place + x * a + y * b + z * c for place, a, b, c in zip(placed["originMm"], placed["x"], placed["y"], placed["z"])]
+
+        return ["--mesh", self.demo / "compressed.vtu", "--materials", "victre", "--orientation", "ALS", "--source",
+                *at(0, 0, result["unit"]["sourceToDetectorMm"]), "--detector-origin", *at(0.125 * (rows - 1), 0.125, 0), "--column-direction",
+                *placed["y"], "--row-direction", *(-value for value in placed["x"]), "--pixel-spacing", 0.25, "--columns", 288, "--rows", rows]
 
 
 def pyplot():
@@ -110,6 +112,17 @@ def run_script(tools, script):
     packages = next(iter((tools.programs.parent / "lib").glob("python3*/site-packages")), "")
     subprocess.run([sys.executable, script, tools.work], check=True, cwd=root, stdout=subprocess.DEVNULL, env={
         **os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": os.environ.get("PYTHONPATH", "") or str(packages)})
+
+
+def read_mammogram(tools, path):
+    """Values of a DICOM mammogram (rows, columns), by the package of the folder of the programs."""
+    sys.path += map(str, (tools.programs.parent / "lib").glob("python3*/site-packages"))
+    import mammoray
+    from vtk.util.numpy_support import vtk_to_numpy
+    reader = mammoray.vtkMammogramReader(FileName=str(path))
+    reader.Update()
+    columns, rows, _ = reader.GetOutput().GetDimensions()
+    return vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("Mammogram")).reshape(rows, columns)[::-1]
 
 
 def write_surface(source, path):
@@ -243,11 +256,12 @@ def draw_unit(tools):
     tools.run("project", *tools.breast(), "-o", "primary.mha")
     tools.run("project", *tools.breast(), "--realistic", "-o", "unit.mha")
     tools.run("project", *tools.breast(), "--realistic", "--display", "-o", "shown.mha")
-    logs = [-numpy.log(numpy.maximum(tools.image(name), 1e-4)) for name in ("primary.mha", "unit.mha")]
+    target = read_mammogram(tools, root / "Data/victre-phantom-1/victre1_lcc_processing.dcm")
+    logs = [-numpy.log(numpy.maximum(values, 1e-4)) for values in (tools.image("primary.mha"), tools.image("unit.mha"), target / target.max())]
     limits = (0, float(numpy.percentile(logs[0], 99.5)))
     save_panels(here / "unit.png", [("primary radiation, -ln", logs[0], limits), ("--realistic, -ln", logs[1], limits),
                                     ("--realistic --display", tools.image("shown.mha"), (0, 1)),
-                                    ("target (FDA phantom, simulated)", pyplot().imread(tools.demo / "real.png"), (0, 1))], 4.4)
+                                    ("target (FDA phantom, simulated), -ln", logs[2], limits)], 4.4)
 
 
 @picture("fibre.png")
@@ -285,9 +299,7 @@ def draw_fibre(tools):
 @picture("sweep.png")
 def draw_sweep(tools):
     import numpy
-    words = tools.breast()
-    words[words.index("--rows") + 1] = 720
-    tools.run("project", *words, "--tomosynthesis", 9, "--span", 50, "--realistic", "-o", "sweep.mha")
+    tools.run("project", *tools.breast(720), "--tomosynthesis", 9, "--span", 50, "--realistic", "-o", "sweep.mha")
     sweep = -numpy.log(numpy.maximum(tools.image("sweep.mha"), 1e-4))
     save_panels(here / "sweep.png", [(title, sweep[number], (0, numpy.percentile(sweep[number], 99.5)))
                                      for number, title in ((0, "-25 degrees"), (4, "0 degrees"), (8, "25 degrees"))], 7.4)
@@ -419,6 +431,18 @@ def draw_film(tools):
 def draw_viewer(tools):
     tools.run("view", "--result", tools.demo, "--mammogram", root / "Data/victre-phantom-1/victre1_lcc_processing.dcm", "--point", 30, 12, -10,
               "--size", 1500, 940, "--screenshot", here / "viewer.png", "--overwrite")
+
+
+@picture("paraview.png")
+def draw_paraview(tools):
+    """By the ParaView of ./quickstart paraview, or the one that PVPYTHON names; it needs no plugin."""
+    from PIL import Image, ImageChops
+    shot = tools.work / "paraview.png"
+    tools.run(root / "Applications/ParaViewPlugin/openResult.py", tools.demo, "--lesion=30,12,-10", "--screenshot", shot,
+              program=os.environ.get("PVPYTHON", root / "Applications/ParaViewPlugin/pvpython.sh"))
+    whole = Image.open(shot).convert("RGB")
+    left, top, right, bottom = ImageChops.invert(whole).getbbox()
+    whole.crop((left - 20, top - 20, right + 20, bottom + 20)).save(here / "paraview.png", optimize=True)
 
 
 @picture("report.png")

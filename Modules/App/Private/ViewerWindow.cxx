@@ -241,6 +241,7 @@ void ViewerWindow::LookAt()
     camera->SetPosition(from.data());
     camera->SetViewUp(placed.Z.data());
     renderer->ResetCamera();
+    camera->Zoom(1.25); // that fits the sphere around the scene, which is wider than it
     renderer->ResetCameraClippingRange();
   };
   for (const auto& unit : this->Units)
@@ -350,12 +351,16 @@ void ViewerWindow::Draw(int divisor)
     unit->Pane.Overlay().Update();
     unit->Squeezed.SetUnit(unit->Live, unit->Pane.Picture(), this->ShownSource);
     const Vector3& offset = unit->Live.SourceOffset();
+    char near[48] = "";
+    if (this->ShownSource < 1)
+    {
+      std::snprintf(near, sizeof near, ", drawn at %.2g of its way", this->ShownSource);
+    }
     char text[320];
     std::snprintf(text, sizeof text,
       "%.1f mm, roll %.1f deg, %.1f kV\nsource %+.0f %+.0f %+.0f mm%s%s%s",
       unit->Live.Pose().ThicknessMm, unit->Live.Pose().RollDeg, unit->Live.Kilovoltage(), offset[0],
-      offset[1], offset[2], this->ShownSource < 1 ? ", drawn at 0.3 of its way" : "",
-      unit->Reduced.empty() ? "" : "\n", unit->Reduced.c_str());
+      offset[1], offset[2], near, unit->Reduced.empty() ? "" : "\n", unit->Reduced.c_str());
     unit->UnitText->SetInput(text);
     unit->Squeezed.Renderer()->ResetCameraClippingRange();
   }

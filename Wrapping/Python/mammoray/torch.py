@@ -24,7 +24,7 @@ from ._values import array_of
 
 
 class Picture(NamedTuple):
-    """As those of Exposure: rows x columns, and materials x rows x columns."""
+    """Pictures as of an Exposure: rows x columns, and materials x rows x columns."""
     transmission: torch.Tensor
     path_lengths: torch.Tensor
 
