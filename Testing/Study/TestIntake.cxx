@@ -218,19 +218,24 @@ TEST(Intake, WhatSaysNothingOfFatIsTakenBesideWhatDoes)
 
 TEST(Intake, TheSeriesWithoutANumberIsBeforeContrast)
 {
-  MadeUpStudy files;
-  for (const auto& [series, description] : { std::pair{ "1.2.5", "ax 3d dyn fs" },
-         { "1.2.6", "Ph1/ax 3d dyn fs" }, { "1.2.7", "Ph2/ax 3d dyn fs" } })
+  for (const auto& [first, second] : { std::pair{ "Ph1/ax 3d dyn fs", "Ph2/ax 3d dyn fs" },
+         { "ax 3d dyn fs 1st pass", "ax 3d dyn fs 2nd pass" } })
   {
-    files.AddSlices(MadeUpMr(series, description));
+    MadeUpStudy files;
+    for (const auto& [series, description] :
+      { std::pair{ "1.2.5", "ax 3d dyn fs" }, { "1.2.6", first }, { "1.2.7", second } })
+    {
+      files.AddSlices(MadeUpMr(series, description));
+    }
+    AddViews(files, "L");
+    const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
+    ASSERT_TRUE(choice.FatSuppressed);
+    EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.5");
+    EXPECT_EQ(choice.FatSuppressed->Contrast, ContrastPhase::Before) << first;
+    EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Each(Not(HasSubstr("for certain"))));
+    // No times: who reads the listing should know.
+    EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
   }
-  AddViews(files, "L");
-  StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
-  ASSERT_TRUE(choice.FatSuppressed);
-  EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.5");
-  EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Each(Not(HasSubstr("for certain"))));
-  // No times: who reads the listing should know.
-  EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("by the numbers of series alone")));
 }
 
 TEST(Intake, DamagedAndDoubledSlicesAreNamed)

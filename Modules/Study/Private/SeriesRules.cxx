@@ -566,11 +566,39 @@ bool IsSubtracted(const StudySeries& volume, const std::vector<StudySeries>& all
     });
 }
 
+/// Volumes of which nothing is said are before contrast if later ones of their protocol, which
+/// count from 1, say that they are after it: "ax dyn" of "ax dyn 1st pass".
+void TellUncounted(std::vector<StudySeries>& all)
+{
+  for (StudySeries& plain : all)
+  {
+    if (!plain.LeftOut.empty() || plain.Contrast != ContrastPhase::Unknown)
+    {
+      continue;
+    }
+    const NumberedWords words(WordsOf(plain.Header));
+    const auto counted = std::find_if(all.begin(), all.end(),
+      [&](const StudySeries& other)
+      {
+        return &other > &plain && other.LeftOut.empty() && other.Contrast == ContrastPhase::After &&
+          IsOfOneProtocol(plain, other) &&
+          NumberedWords(WordsOf(other.Header)).CounterBeyond(words);
+      });
+    if (counted != all.end())
+    {
+      plain.Contrast = ContrastPhase::Before;
+      plain.ContrastEvidence = "'" + counted->Description + "' of its protocol follows it";
+      plain.ContrastByOrder = MomentOf(plain.Header).empty() || MomentOf(counted->Header).empty();
+    }
+  }
+}
+
 /// The first of several volumes of one protocol, or as many as "2+4" says, is before contrast,
 /// unless an earlier series says so of itself and this one names an agent, or an earlier one lacks
 /// the number that these have. Their order alone makes nothing certain.
 void TellByOrder(std::vector<StudySeries>& all)
 {
+  TellUncounted(all);
   for (const DynamicGroup& group : FindDynamicGroups(all))
   {
     const std::vector<StudySeries*>& volumes = group.Volumes;
