@@ -316,6 +316,36 @@ thread.start()
 thread.join()
 assert (found[0] == image.transmission).all()
 
+# Others run meanwhile: a thread sets what progress waits for. A projector in use refuses further calls.
+waiting, seen = threading.Event(), threading.Event()
+threading.Thread(target=lambda: (waiting.wait(), seen.set()), daemon=True).start()
+with mr.Projector() as projector:
+    def reenter(done, stage):
+        waiting.set()
+        assert seen.wait(60)
+        refused("projector: expected one that is free", projector.expose, scene_of())
+        raise LookupError
+    try:
+        projector.expose(slow, progress=reenter)
+        raise AssertionError("not stopped")
+    except LookupError:
+        pass
+    results = []
+
+    def many(shift):
+        for _ in range(20):
+            moved = scene_of(POINTS + shift)
+            try:
+                results.append(bool((projector.expose(moved).transmission == moved.expose().transmission).all()))
+            except mr.InputError as error:
+                results.append("expected one that is free" in str(error))
+    threads = [threading.Thread(target=many, args=(shift,)) for shift in (0, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 40 and all(results), results
+
 # A box without its top leaks; it is told and marked.
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")

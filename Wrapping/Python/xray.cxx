@@ -32,6 +32,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -176,6 +177,33 @@ private:
   std::vector<std::int32_t> PointIds;
 };
 
+/// An exposer that one call at a time uses: others, of a thread or of what progress calls, are
+/// refused.
+struct SharedExposer : Exposer
+{
+  using Exposer::Exposer;
+  mutable std::atomic_flag IsBusy;
+};
+class ExposerUse
+{
+public:
+  explicit ExposerUse(const SharedExposer& exposer)
+    : Used(exposer)
+  {
+    if (exposer.IsBusy.test_and_set())
+    {
+      throw InputError("projector: expected one that is free, found one in use by another thread "
+                       "or by the caller of progress");
+    }
+  }
+  ExposerUse(const ExposerUse&) = delete;
+  ExposerUse& operator=(const ExposerUse&) = delete;
+  ~ExposerUse() { this->Used.IsBusy.clear(); }
+
+private:
+  const SharedExposer& Used;
+};
+
 /// Name in messages, key of scene files, and texts.
 using Setting = std::tuple<std::string, std::string, std::vector<std::string>>;
 /// Name in messages, surface, material's text, names of the surface's labels.
@@ -276,21 +304,21 @@ public:
     this->Current = std::move(scene);
   }
 
-  /// What photons are followed through, where they are.
-  void MakeVoxels(const ProgressCallback& progress)
+  /// The scene, with voxels where photons are followed through it.
+  std::shared_ptr<const Scene> WithVoxels(const std::shared_ptr<const Scene>& scene,
+    const ProgressCallback& progress) const
   {
-    const Scene& scene = *this->Current;
-    if (scene.Scatter.Voxels ||
-      !(scene.Dose || scene.Scatter.Method == SceneScatter::Model::MonteCarlo))
+    if (scene->Scatter.Voxels ||
+      !(scene->Dose || scene->Scatter.Method == SceneScatter::Model::MonteCarlo))
     {
-      return;
+      return scene;
     }
 #ifdef MAMMORAY_HAS_MESHING
-    auto with = std::make_shared<Scene>(scene);
+    auto with = std::make_shared<Scene>(*scene);
     with->Scatter.Voxels =
-      std::make_shared<VoxelScene>(LabelSurfaces(*Assemble(scene), this->VoxelMm, progress),
-        MakePhotonMaterials(scene.Materials));
-    this->Current = std::move(with);
+      std::make_shared<VoxelScene>(LabelSurfaces(*Assemble(*scene), this->VoxelMm, progress),
+        MakePhotonMaterials(scene->Materials));
+    return with;
 #else
     (void)progress;
     throw InputError("dose, scatter.method: expected a mammoray with Meshing, found one without");
@@ -316,10 +344,10 @@ public:
   }
 
   /// What is wrong with a picture, or nothing; `wantsAll`: all of it should be on the detector.
-  std::string WarningOf(const Exposure& exposure, bool wantsAll) const
+  static std::string WarningOf(const Scene& scene, const Exposure& exposure, bool wantsAll)
   {
     const std::string holes = exposure.Lengths->InconsistencyWarning();
-    return !holes.empty() ? holes : ShadowWarning(*this->Current, exposure, wantsAll);
+    return !holes.empty() ? holes : ShadowWarning(scene, exposure, wantsAll);
   }
 
   std::shared_ptr<const Scene> Current;
@@ -341,7 +369,7 @@ struct ExposedScene
   Exposure Picture;
   std::shared_ptr<const Scene> Of;
   std::vector<std::shared_ptr<MovingSurface>> Surfaces;
-  std::shared_ptr<Exposer> Device;
+  std::shared_ptr<SharedExposer> Device;
   std::string Warning;
 
   /// Velocities of the points of each sample's mesh, fields x points x 3: path lengths, and their
@@ -371,6 +399,7 @@ struct ExposedScene
     Exposer::Derivatives derivatives;
     {
       const py::gil_scoped_release released;
+      const ExposerUse use(*this->Device);
       derivatives = this->Device->Differentiate(*this->Of, moving);
     }
     const PathLengthDerivatives& lengths = derivatives.Lengths;
@@ -391,6 +420,7 @@ py::dict Backward(const ExposedScene& exposed, const std::optional<Array<float>>
   Exposer::Gradient gradient;
   {
     const py::gil_scoped_release released;
+    const ExposerUse use(*exposed.Device);
     gradient = exposed.Device->Backward(*exposed.Of, loss);
   }
   py::list points;
@@ -432,11 +462,11 @@ public:
   {
   }
 
-  Exposer& Open()
+  SharedExposer& Open()
   {
     if (!this->Device)
     {
-      this->Device = std::make_shared<Exposer>(this->Options);
+      this->Device = std::make_shared<SharedExposer>(this->Options);
     }
     return *this->Device;
   }
@@ -451,24 +481,32 @@ public:
     auto exposed = std::make_unique<ExposedScene>();
     const ProgressCallback report = Reporting(progress);
     this->Open();
+    exposed->Device = this->Device;
+    const std::shared_ptr<const Scene> before = placed.Current;
+    std::shared_ptr<const Scene> with;
     {
       const py::gil_scoped_release released;
-      placed.MakeVoxels(ShareOf(report, 0, 0.1));
-      exposed->Of = placed.Current;
+      const ExposerUse use(*exposed->Device);
+      with = placed.WithVoxels(before, ShareOf(report, 0, 0.1));
+      exposed->Of = with;
       if (view || number > 0)
       {
-        auto other = std::make_shared<Scene>(*placed.Current);
+        auto other = std::make_shared<Scene>(*with);
         other->Source = view ? view->Source : other->Source;
         other->Detector = view ? view->Detector : other->Detector;
         other->Detection.Seed += number;
         exposed->Of = std::move(other);
       }
       exposed->Picture = isAir ? Exposer::ExposeAir(*exposed->Of)
-                               : this->Device->Expose(*exposed->Of, ShareOf(report, 0.1, 1));
+                               : exposed->Device->Expose(*exposed->Of, ShareOf(report, 0.1, 1));
+    }
+    if (placed.Current == before) // not moved by another thread
+    {
+      placed.Current = with;
     }
     exposed->Surfaces = placed.Surfaces;
-    exposed->Device = this->Device;
-    exposed->Warning = isAir ? std::string() : placed.WarningOf(exposed->Picture, false);
+    exposed->Warning =
+      isAir ? std::string() : PlacedScene::WarningOf(*with, exposed->Picture, false);
     return exposed;
   }
 
@@ -478,7 +516,7 @@ public:
 
 private:
   ProjectorOptions Options;
-  std::shared_ptr<Exposer> Device;
+  std::shared_ptr<SharedExposer> Device;
 };
 
 /// Middle of the box around a scene.
@@ -773,13 +811,13 @@ void DeclareScene(py::module_& module)
     .def("check",
       [](const PlacedScene& placed, const ExposedScene& exposed)
       {
-        const Scene& scene = *placed.Current;
+        const std::shared_ptr<const Scene> scene = placed.Current;
         const py::gil_scoped_release released;
-        const std::string overlap = scene.OverlapPriority.empty()
-          ? MeasureOverlap(*Assemble(scene), scene.Source, scene.Detector)
-              .Warning(scene.Materials.Names())
+        const std::string overlap = scene->OverlapPriority.empty()
+          ? MeasureOverlap(*Assemble(*scene), scene->Source, scene->Detector)
+              .Warning(scene->Materials.Names())
           : std::string();
-        return std::pair(placed.WarningOf(exposed.Picture, true), overlap);
+        return std::pair(PlacedScene::WarningOf(*scene, exposed.Picture, true), overlap);
       })
     .def("cancelling_weight",
       [](const PlacedScene& low, const PlacedScene& high, const std::string& first,
