@@ -11,6 +11,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 #include "mammoray/Study/ResultObjects.h"

@@ -3,9 +3,6 @@
 
 #include "SharedOptions.h"
 
-#include "mammoray/IO/MammogramSynthesis.h"
-
-#include <cstdio>
 #include <filesystem>
 
 namespace mammoray
@@ -47,16 +44,5 @@ void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterali
 bool IsDicomPath(const std::string& path)
 {
   return std::filesystem::path(path).extension() == ".dcm";
-}
-
-std::string SyntheticDerivation(bool forProcessing, const std::string& what)
-{
-  char values[80];
-  std::snprintf(values, sizeof values,
-    forProcessing ? "Stored values are %.0f times the transmission."
-                  : "Stored values are %.0f times the log attenuation.",
-    forProcessing ? ProcessingValuesPerTransmission : PresentationValuesPerLogAttenuation);
-  return "Synthetic X-ray image, computed by MammoRay " MAMMORAY_VERSION " from a mesh of " + what +
-    "; not a radiograph. " + values;
 }
 }

@@ -37,9 +37,6 @@ void AddSamePatientFlag(const OptionList& add, bool& same);
 
 /// True for the extension .dcm.
 bool IsDicomPath(const std::string& path);
-
-/// How a synthetic image of `what` was computed and what its values mean, for its header.
-std::string SyntheticDerivation(bool forProcessing, const std::string& what);
 }
 
 #endif

@@ -95,24 +95,20 @@ SceneDescription WithPlaces(SceneDescription description, const Scene& scene)
   return description;
 }
 
-/// The header of a mammogram. Throws InputError where a mammogram cannot have this geometry.
-Mammogram DescribeMammogram(const ProjectArguments& arguments, const Scene& scene)
+/// What the options say of a mammogram.
+SceneMammogram MammogramOf(const ProjectArguments& arguments)
 {
-  Mammogram mammogram = DescribeProjection(scene.Source, scene.Detector,
-    AnatomicalAxes::FromCode(arguments.Orientation), *arguments.Laterality);
-  mammogram.View = arguments.View.empty() ? mammogram.View : arguments.View;
-  if (mammogram.View.empty())
-  {
-    throw InputError("output " + arguments.Output +
-      ": expected --view for a DICOM mammogram of this roll, found none");
-  }
+  SceneMammogram mammogram{ .Axes = AnatomicalAxes::FromCode(arguments.Orientation),
+    .Laterality = *arguments.Laterality,
+    .View = arguments.View,
+    .ForProcessing = arguments.ForProcessing,
+    .Display = arguments.Display };
   if (arguments.IsPlacedByUnit())
   {
-    mammogram.BodyPartThicknessMm = arguments.Pose.ThicknessMm;
+    mammogram.ThicknessMm = arguments.Pose.ThicknessMm;
     mammogram.SourceToPatientMm =
       arguments.Unit.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
   }
-  mammogram.PeakKilovoltage = scene.XRays.PeakEnergyKeV();
   return mammogram;
 }
 
@@ -220,32 +216,12 @@ void CheckOutputs(const ProjectArguments& arguments)
   }
 }
 
-Mammogram::Intent IntentOf(const ProjectArguments& arguments)
-{
-  return arguments.ForProcessing ? Mammogram::Intent::ForProcessing
-                                 : Mammogram::Intent::ForPresentation;
-}
-
 DicomMammogramOptions DicomOptions(const ProjectArguments& arguments)
 {
   DicomMammogramOptions options;
   options.Identity = arguments.Patient.Identity();
   options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
   return options;
-}
-
-void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
-  const Exposure& exposure, const XRayDetector& detector)
-{
-  if (arguments.Display)
-  {
-    SetDisplayPixels(mammogram, DisplayValues(exposure, detector));
-  }
-  else
-  {
-    SetPixels(mammogram, exposure.LogAttenuation, IntentOf(arguments));
-  }
-  WriteMammogram(mammogram, DicomOptions(arguments), arguments.Output);
 }
 
 /// A scene before an exposer, and the views that the command wants of it.
@@ -284,7 +260,7 @@ struct ProjectionJob
 };
 
 /// Writes one picture. Gives a warning, or nothing.
-std::string RunOne(const ProjectionJob& job, std::optional<Mammogram> mammogram,
+std::string RunOne(const ProjectionJob& job, const std::optional<SceneMammogram>& mammogram,
   const ProgressCallback& progress)
 {
   const ProjectArguments& arguments = job.Arguments;
@@ -295,7 +271,8 @@ std::string RunOne(const ProjectionJob& job, std::optional<Mammogram> mammogram,
   const auto image = ToImage(exposure, detector, scene.Materials.Names());
   if (mammogram)
   {
-    WriteMammogramFile(arguments, std::move(*mammogram), exposure, detector);
+    WriteMammogram(MakeMammogram(exposure, scene, *mammogram), DicomOptions(arguments),
+      arguments.Output);
   }
   else if (arguments.Display)
   {
@@ -450,9 +427,10 @@ std::string RunStack(const ProjectionJob& job, const ProjectionSeries& series,
 
 /// Writes a tomosynthesis as one DICOM object. Gives a warning, or nothing.
 std::string RunBreastProjections(const ProjectionJob& job, const ProjectionSeries& series,
-  const Mammogram& described, const ProgressCallback& progress)
+  const SceneMammogram& mammogram, const ProgressCallback& progress)
 {
   const ProjectArguments& arguments = job.Arguments;
+  const Mammogram described = DescribeMammogram(job.Standing, mammogram);
   std::vector<Mammogram> projections;
   std::string warning = TakeSeries(job, job.Standing, series, progress,
     [&](const ProjectionView& view, const Exposure& exposure)
@@ -463,7 +441,9 @@ std::string RunBreastProjections(const ProjectionJob& job, const ProjectionSerie
       projection.SourceToPatientMm =
         *projection.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
       projection.SourceFootPixel = { plane.FootColumn, plane.FootRow };
-      SetPixels(projection, exposure.LogAttenuation, IntentOf(arguments));
+      SetPixels(projection, exposure.LogAttenuation,
+        arguments.ForProcessing ? Mammogram::Intent::ForProcessing
+                                : Mammogram::Intent::ForPresentation);
     });
   ReportProgress(progress, 0.85, "writing");
   WriteProjections(projections, DicomOptions(arguments), arguments.Series.PivotHeightMm,
@@ -473,7 +453,7 @@ std::string RunBreastProjections(const ProjectionJob& job, const ProjectionSerie
 
 /// Writes what is asked for. Gives a warning, or nothing.
 std::string RunAsked(const ProjectionJob& job, const VolumeFromGantry& gantry,
-  const std::optional<Mammogram>& mammogram, const ProgressCallback& progress)
+  const std::optional<SceneMammogram>& mammogram, const ProgressCallback& progress)
 {
   const ProjectArguments& arguments = job.Arguments;
   if (arguments.DualEnergy.IsAsked())
@@ -544,10 +524,11 @@ void Run(ProjectArguments& arguments)
     std::fputs(WriteScene(WithPlaces(arguments.Scene, scene)).c_str(), stdout);
     return;
   }
-  std::optional<Mammogram> mammogram;
+  std::optional<SceneMammogram> mammogram;
   if (IsDicomPath(arguments.Output))
   {
-    mammogram = DescribeMammogram(arguments, scene);
+    mammogram = MammogramOf(arguments);
+    DescribeMammogram(scene, *mammogram); // refuses a geometry that no mammogram has
   }
   const std::string overlap = scene.OverlapPriority.empty()
     ? MeasureOverlap(*surface, scene.Source, scene.Detector, ShareOf(progress, 0.1, 0.2))

@@ -2,9 +2,11 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Display.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 namespace mammoray
@@ -158,5 +160,45 @@ void SetDisplayPixels(Mammogram& mammogram, const std::vector<float>& values)
     }
     mammogram.Pixels[pixel] = std::round(4095 * values[pixel]);
   }
+}
+
+Mammogram DescribeMammogram(const Scene& scene, const SceneMammogram& of)
+{
+  Mammogram mammogram = DescribeProjection(scene.Source, scene.Detector, of.Axes, of.Laterality);
+  mammogram.View = of.View.empty() ? mammogram.View : of.View;
+  if (mammogram.View.empty())
+  {
+    throw InputError("expected View for a DICOM mammogram of this roll, found none", { "View" });
+  }
+  mammogram.BodyPartThicknessMm = of.ThicknessMm;
+  mammogram.SourceToPatientMm = of.SourceToPatientMm;
+  mammogram.PeakKilovoltage = scene.XRays.PeakEnergyKeV();
+  return mammogram;
+}
+
+Mammogram MakeMammogram(const Exposure& exposure, const Scene& scene, const SceneMammogram& of)
+{
+  Mammogram mammogram = DescribeMammogram(scene, of);
+  if (of.Display)
+  {
+    SetDisplayPixels(mammogram, DisplayValues(exposure, scene.Detector));
+  }
+  else
+  {
+    SetPixels(mammogram, exposure.LogAttenuation,
+      of.ForProcessing ? Mammogram::Intent::ForProcessing : Mammogram::Intent::ForPresentation);
+  }
+  return mammogram;
+}
+
+std::string SyntheticDerivation(bool forProcessing, const std::string& what)
+{
+  char values[80];
+  std::snprintf(values, sizeof values,
+    forProcessing ? "Stored values are %.0f times the transmission."
+                  : "Stored values are %.0f times the log attenuation.",
+    forProcessing ? ProcessingValuesPerTransmission : PresentationValuesPerLogAttenuation);
+  return "Synthetic X-ray image, computed by MammoRay " MAMMORAY_VERSION " from a mesh of " + what +
+    "; not a radiograph. " + values;
 }
 }

@@ -5,9 +5,12 @@
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Scene.h"
 #include "mammorayIOModule.h"
 
 #include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace mammoray
@@ -46,6 +49,32 @@ MAMMORAYIO_EXPORT Mammogram DescribeProjection(const XRaySource& source,
  */
 MAMMORAYIO_EXPORT void SetPixels(Mammogram& mammogram, const std::vector<float>& logAttenuation,
   Mammogram::Intent intent);
+
+/// A picture of a scene as a mammogram: what the scene does not tell.
+struct SceneMammogram
+{
+  /// Directions of the scene's frame in the patient.
+  AnatomicalAxes Axes;
+  /// 'L' or 'R'.
+  char Laterality = 'L';
+  /// "CC", "MLO", ...; empty: that of the unit's angle (DescribeProjection).
+  std::string View;
+  /// Thickness of the breast, and the distance from the source to it; absent: not stated.
+  std::optional<double> ThicknessMm;
+  std::optional<double> SourceToPatientMm;
+  /// Transmissions, linear, in place of a picture For Presentation; or what a unit displays.
+  bool ForProcessing = false;
+  bool Display = false;
+};
+
+/// The mammogram without pixels. Throws InputError without a view, and where a mammogram cannot
+/// have the scene's geometry.
+MAMMORAYIO_EXPORT Mammogram DescribeMammogram(const Scene& scene, const SceneMammogram& of);
+/// The same with the pixels of a picture.
+MAMMORAYIO_EXPORT Mammogram MakeMammogram(const Exposure& exposure, const Scene& scene,
+  const SceneMammogram& of);
+/// How a synthetic image of `what` was computed and what its values mean, for its header.
+MAMMORAYIO_EXPORT std::string SyntheticDerivation(bool forProcessing, const std::string& what);
 
 /// Sets pixels For Presentation, 12 bits, from the values that a unit displays, 0 (black) to 1
 /// (DisplayValues). Throws InputError on another number of values and on values out of range.

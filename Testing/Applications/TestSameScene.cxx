@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One scene's file through the command, the VTK filter, C++, Python and Octave: the same bytes.
 #include "CommandTest.h"
+#include "DicomTesting.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Filters/vtkXRayProjector.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -329,4 +331,54 @@ TEST_F(SameScene, BendsRaysFromTheMiddleOfTheSamples)
 {
   const std::string path = this->WriteScene("", R"(, "refraction": { "law": "near-field" })");
   this->ExpectTheSameOfFile(path, LoadScene(path));
+}
+
+TEST_F(SameScene, IsTheSameMammogramOfCommandAndPython)
+{
+  if (!*MAMMORAY_TEST_PYTHON)
+  {
+    GTEST_SKIP() << "no Python";
+  }
+  const std::string path = this->WriteScene("", "");
+  const std::string log = this->Folder.File("log");
+  ASSERT_EQ(std::system(("cd " + this->Folder.File("") +
+              " && " MAMMORAY_TEST_PYTHON "/sameScene.py dicom >" + log + " 2>&1")
+                          .c_str()),
+    0)
+    << test::ReadFile(log);
+  const std::pair<const char*, std::string> cases[] = {
+    { "placed.dcm",
+      "--scene " + path +
+        " --side left --view CC --for-processing --patient-name Phantom^Body --patient-id 7" },
+    { "unit.dcm",
+      "--mesh " + this->Folder.File("body.vtp") + " --materials " +
+        this->Folder.File("table.json") +
+        " --kev 20 --columns 41 --rows 33 --pixel-spacing 1.75 --orientation LAS --thickness 40 "
+        "--side right" }
+  };
+  for (const auto& [name, options] : cases)
+  {
+    const std::string other = this->Folder.File("command.dcm");
+    ASSERT_EQ(this->Run("project " + options + " --overwrite -o " + other), 0) << this->Errors;
+    const Mammogram python = ReadMammogram(this->Folder.File(name));
+    const Mammogram command = ReadMammogram(other);
+    // Python places the unit by its own arithmetic: a rounding of the stored values.
+    EXPECT_THAT(python.Pixels, testing::Pointwise(testing::FloatNear(1), command.Pixels)) << name;
+    EXPECT_EQ(python.View, command.View);
+    EXPECT_EQ(python.Laterality, command.Laterality);
+    EXPECT_EQ(python.RowDirection, command.RowDirection);
+    EXPECT_EQ(python.ColumnDirection, command.ColumnDirection);
+    EXPECT_EQ(python.BodyPartThicknessMm, command.BodyPartThicknessMm);
+    EXPECT_EQ(python.SourceToPatientMm, command.SourceToPatientMm);
+    EXPECT_EQ(python.SourceToDetectorMm, command.SourceToDetectorMm);
+    EXPECT_EQ(python.PeakKilovoltage, command.PeakKilovoltage);
+    EXPECT_EQ(python.PresentationIntent, command.PresentationIntent);
+    // Name, ID and derivation.
+    for (const auto& [group, element] : { std::pair<std::uint16_t, std::uint16_t>{ 0x0010, 0x0010 },
+           { 0x0010, 0x0020 }, { 0x0008, 0x2111 } })
+    {
+      EXPECT_EQ(test::DicomTextOf(this->Folder.File(name), group, element),
+        test::DicomTextOf(other, group, element));
+    }
+  }
 }

@@ -1,10 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene of TestSameScene.cxx by mammoray.load_scene (argument: file), once more of what it saves, or of arrays in this folder."""
+"""The scene of TestSameScene.cxx by mammoray.load_scene (argument: file), once more of what it saves, or of arrays in this folder;
+or as mammograms (argument: dicom)."""
 import sys
 
 import mammoray as mr
 import numpy
 
+if sys.argv[1:] == ["dicom"]:
+    scene = mr.load_scene("scene.json")
+    scene.expose().save("placed.dcm", side="left", view="CC", for_processing=True, patient_name="Phantom^Body", patient_id="7")
+    scene = mr.Scene(mr.read_mesh("body.vtp"), materials="table.json", beam=mr.Beam(kev=20),
+                     detector=mr.Detector(columns=41, rows=33, pixel_spacing=1.75))
+    scene.place_unit("LAS", thickness=40, side="right")
+    image = scene.expose()
+    image.save("unit.dcm")
+    try:
+        mr.Scene(scene.samples, materials="table.json").expose().save("none.dcm")
+        raise AssertionError("no side")
+    except mr.InputError as error:
+        assert "none.dcm: expected side" in str(error), error
+    try:
+        image.save("none.dcm", side="top")
+        raise AssertionError("another side")
+    except mr.InputError as error:
+        assert "side: expected left or right, found 'top'" in str(error), error
+    sys.exit()
 if sys.argv[1:] == ["file"]:
     mr.load_scene("scene.json").save("saved.json")
     scene = mr.load_scene("saved.json")

@@ -17,14 +17,15 @@ LIKE = {
     "flat-fields": (mr.Series.flat_fields, "count"), "high": (mr.dual_energy, "high"), "cancel": (mr.dual_energy, "cancel"),
     "cancel-thickness": (mr.dual_energy, "thickness"), "device": (mr.Projector, "device"), "projector": (mr.Projector, "method"),
     "make-kernels": (mr.Scatter, "kernels"),
+    **{name.replace("_", "-"): (mr.Exposure.save, name) for name in ("side", "view", "for_processing", "patient_name", "patient_id")},
     **{name.replace("_", "-"): (mr.Scene.place_unit, name)
        for name in ("orientation", "thickness", "roll", "pitch", "yaw", "lateral", "anterior", "vertical", "tilt", "source_to_detector",
                     "support_height", "anchor")}}
 #: Keys that Python has in another form.
 KEYS = {"mesh": (mr.read_mesh, "source"), "mesh-unit": (mr.read_mesh, "unit"), "unit": (mr.read_mesh, "unit"), "samples": (mr.Scene, "samples"),
         "materials": (mr.Scene, "materials")}
-#: What Python leaves to the program: DICOM files of a mammogram; and, of every command, what files may be overwritten and taken.
-LEFT = {"DICOM": ("side", "for-processing", "view", "patient-name", "patient-id"), "": ("overwrite", "axes-as-given", "accept-unusual", "$schema")}
+#: What Python leaves to the program: of every command, what files may be overwritten and taken.
+LEFT = ("overwrite", "axes-as-given", "accept-unusual", "$schema")
 
 with open(sys.argv[1], encoding="utf-8") as file:
     declared = json.load(file)["$defs"]
@@ -59,9 +60,7 @@ for key, value in keys_of(declared["scene"]):
 for part, kind in PARTS.items():
     extra = set(inspect.signature(kind).parameters) - fields[part]
     assert not extra, f"{kind.__name__}: no keys of scene files: {extra}"
-for option, value in declared["project"]["properties"].items():
-    known = option in options or option in LIKE or any(option in names for names in LEFT.values())
+for option in declared["project"]["properties"]:
+    known = option in options or option in LIKE or option in LEFT
     assert known, f"--{option}: Python has nothing like it"
-    if value.get("group") != "DICOM":
-        assert option not in LEFT["DICOM"], option
 print(f"{len(list(keys_of(declared['scene'])))} keys and {len(declared['project']['properties'])} options")

@@ -23,6 +23,10 @@
 #include "vtkImageData.h"
 #include "vtkUnstructuredGrid.h"
 #endif
+#ifdef MAMMORAY_WITH_DICOM
+#include "mammoray/Dicom/DicomWriter.h"
+#include "mammoray/IO/MammogramSynthesis.h"
+#endif
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Meshing/SurfaceMesher.h"
 #endif
@@ -662,6 +666,34 @@ void WriteStack(const Array<float>& values, double columnMm, double rowMm, const
 }
 #endif
 
+#ifdef MAMMORAY_WITH_DICOM
+/// Writes a mammogram. `distances`: thickness of the breast, and from the source to it; or none.
+void WriteMammogramOf(const ExposedScene& exposed, const std::string& path,
+  const std::string& orientation, char side, const std::string& view,
+  const std::optional<std::pair<double, double>>& distances, bool forProcessing, bool display,
+  const std::string& patientName, const std::string& patientId)
+{
+  const py::gil_scoped_release released;
+  CheckDicomText(patientName, "patient_name");
+  CheckDicomText(patientId, "patient_id");
+  SceneMammogram mammogram{ .Axes = AnatomicalAxes::FromCode(orientation),
+    .Laterality = side,
+    .View = view,
+    .ForProcessing = forProcessing,
+    .Display = display };
+  if (distances)
+  {
+    mammogram.ThicknessMm = distances->first;
+    mammogram.SourceToPatientMm = distances->second;
+  }
+  DicomMammogramOptions options;
+  options.Identity.PatientName = patientName;
+  options.Identity.PatientId = patientId;
+  options.Derivation = SyntheticDerivation(forProcessing, "a breast");
+  WriteMammogram(MakeMammogram(exposed.Picture, *exposed.Of, mammogram), options, path);
+}
+#endif
+
 /// Throws ours as mammoray._errors has them.
 void Translate(std::exception_ptr thrown)
 {
@@ -780,6 +812,9 @@ void DeclareExposure(py::module_& module)
 #ifdef MAMMORAY_WITH_SCENES
   module.def("write", &WriteExposure);
   module.def("write_stack", &WriteStack);
+#endif
+#ifdef MAMMORAY_WITH_DICOM
+  module.def("write_mammogram", &WriteMammogramOf);
 #endif
 }
 

@@ -354,6 +354,14 @@ class Placement:
                         columns, rows, pixel_spacing)
 
 
+def _side(text: str) -> str:
+    """L or R."""
+    letter = text[:1].upper() if isinstance(text, str) else ""
+    if letter not in ("L", "R") or text.upper() not in ("L", "R", "LEFT", "RIGHT"):
+        raise InputError(f"side: expected left or right, found {text!r}")
+    return letter
+
+
 _PARTS = {"source": Source, "detector": Detector, "beam": Beam, "scatter": Scatter, "refraction": Refraction}
 
 
@@ -382,6 +390,7 @@ class Scene(_Part):
                             "scatter": scatter, "refraction": refraction, **fields}.items():
             setattr(self, name, value)
         self._made: Any = None
+        self._unit: Optional[dict[str, Any]] = None  # what place_unit says of a mammogram
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in _PARTS:
@@ -502,7 +511,8 @@ class Scene(_Part):
 
     def place_unit(self, orientation: str = "LPS", *, thickness: float = 50.0, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0,
                    lateral: float = 0.0, anterior: float = 0.0, vertical: float = 0.0, tilt: float = 0.0,
-                   source_to_detector: float = 650.0, support_height: float = 2.0, anchor: Optional[ArrayLike] = None) -> Placement:
+                   source_to_detector: float = 650.0, support_height: float = 2.0, anchor: Optional[ArrayLike] = None,
+                   side: Optional[str] = None) -> Placement:
         """Gives source and detector the places of a mammography unit around a breast, mm and degrees.
 
         orientation: directions of +x, +y, +z in the patient: a letter each of L/R, A/P, S/I
@@ -510,7 +520,9 @@ class Scene(_Part):
         roll: 0 is CC, positive turns the source to the patient's left; pitch: to the front; yaw: about the line to the source
         lateral, anterior, vertical: shifts of the unit along its x, y and z
         anchor: the point that all this refers to; default: middle of the mesh at the chest wall
+        side: "left" or "right", for DICOM; a right breast hangs with its chest wall at the right, so that the picture is turned
         """
+        right = side is not None and _side(side) == "R"
         native = self._native(False)
         place = None if anchor is None else three(anchor, "anchor")
         pose = [number(value, name) for name, value in (
@@ -522,6 +534,11 @@ class Scene(_Part):
         placed = unit.detector(columns, rows, self.detector.pixel_spacing or 0.1)
         for name in ("origin", "column_direction", "row_direction", "columns", "rows", "pixel_spacing"):
             setattr(self.detector, name, getattr(placed, name))
+        if right:
+            columns_mm, rows_mm = ((count - 1) * placed.pixel_spacing for count in (columns, rows))
+            self.detector.origin = numpy.asarray(placed.origin) + columns_mm * unit.y - rows_mm * unit.x
+            self.detector.column_direction, self.detector.row_direction = -unit.y, unit.x
+        self._unit = {"orientation": orientation, "side": side, "distances": (float(thickness), float(source_to_detector - support_height))}
         self.source.position = unit.source(source_to_detector).position
         self.source.beam_direction = None
         if self.scatter.air_gap is None and self.scatter.method == "kernels":
@@ -626,8 +643,9 @@ class Dose:
 class Exposure:
     """A picture as the detector sees it. The first index is the row, the second the column."""
 
-    def __init__(self, native: Any) -> None:
+    def __init__(self, native: Any, unit: Optional[dict[str, Any]] = None) -> None:
         self._native = native
+        self._unit = unit
 
     @property
     def transmission(self) -> Floats:
@@ -702,15 +720,32 @@ class Exposure:
             "translation", "rotation", "photons", "source", "origin", "column_step", "row_step")}
         return Gradient(found["points"], attenuation=dict(zip(self.materials, found["attenuation"])), **vectors)
 
-    def save(self, path: Union[str, os.PathLike[str]], what: str = "transmission") -> None:
+    def save(self, path: Union[str, os.PathLike[str]], what: str = "transmission", *, side: Optional[str] = None,
+             orientation: Optional[str] = None, view: str = "", for_processing: bool = False, patient_name: str = "",
+             patient_id: str = "") -> None:
         """Writes a picture by its extension: .png (16 bits, 0 to 1), .tif .mha .nrrd (floats), .vti (all). what: "transmission",
-        "display", "path lengths" or "deflection" (.mha .nrrd .vti). All but .png needs a copy with VTK."""
+        "display", "path lengths" or "deflection" (.mha .nrrd .vti). All but .png needs a copy with VTK.
+
+        A .dcm is a DICOM mammogram For Presentation, which needs a copy with DCMTK. side: "left" or "right"; orientation: directions of
+        +x, +y, +z in the patient; both default to what Scene.place_unit was given. view: "CC", "MLO", ...; default: that of the unit's
+        angle. for_processing: transmissions, linear. patient_name, patient_id: as DICOM writes them."""
         path = os.fspath(path)
         if what not in ("transmission", "display", "path lengths", "deflection"):
             raise InputError(f"what: expected transmission, display, path lengths or deflection, found {what!r}")
         if what == "deflection" and self.deflection is None:
             raise InputError("what: expected refraction beside deflection, found none")
-        if os.path.splitext(path)[1].lower() == ".png":
+        if os.path.splitext(path)[1].lower() == ".dcm":
+            if what not in ("transmission", "display"):
+                raise InputError(f"{path}: expected transmission or display for .dcm, found {what}")
+            if not hasattr(_xray, "write_mammogram"):
+                raise InputError(f"{path}: expected a copy of mammoray with DCMTK, which writes DICOM, found one without (a wheel has none)")
+            unit = self._unit or {}
+            side = side or unit.get("side")
+            if side is None:
+                raise InputError(f"{path}: expected side, left or right, for a DICOM mammogram, found none")
+            _xray.write_mammogram(self._native, path, orientation or unit.get("orientation", "LPS"), _side(side), view,
+                                  unit.get("distances"), for_processing, what == "display", patient_name, patient_id)
+        elif os.path.splitext(path)[1].lower() == ".png":
             if what not in ("transmission", "display"):
                 raise InputError(f"{path}: expected .mha, .nrrd or .vti for {what}, found .png")
             _write(path, _png(self.transmission if what == "transmission" else self.display()))
@@ -788,13 +823,14 @@ class Projector:
 
     def expose(self, scene: Scene, progress: Optional[Progress] = None) -> Exposure:
         """Does the same as Scene.expose, on this device."""
-        return self._expose(scene._native(), None, 0, False, progress)
+        return self._expose(scene._native(), None, 0, False, progress, scene._unit)
 
-    def _expose(self, native: Any, view: Any, index: int, air: bool, progress: Optional[Progress]) -> Exposure:
+    def _expose(self, native: Any, view: Any, index: int, air: bool, progress: Optional[Progress],
+                unit: Optional[dict[str, Any]] = None) -> Exposure:
         exposed = self._native.expose(native, view, index, air, progress)
         if exposed.warning:
             warn(exposed.warning)
-        return Exposure(exposed)
+        return Exposure(exposed, unit)
 
     def close(self) -> None:
         """Gives back what it holds on the device. It opens again when it is used."""
