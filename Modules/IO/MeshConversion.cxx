@@ -205,7 +205,12 @@ vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
 TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* materialNames)
 {
   TetrahedralMesh mesh;
-  vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
+  vtkDataArray* materials = nullptr;
+  // meshio keeps the groups of gmsh and of medit under these names.
+  for (const char* const name : { MaterialArrayName, "gmsh:physical", "medit:ref" })
+  {
+    materials = materials ? materials : grid->GetCellData()->GetArray(name);
+  }
   if (!materials)
   {
     std::string found;

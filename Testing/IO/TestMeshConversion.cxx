@@ -108,6 +108,11 @@ TEST(MeshConversion, GridsAreFittedToATableByNames)
                   FitGrid(ToGrid(TwoCells(), { "air", "fat", "cyst" }), table, "a.vtu");
                 }),
     testing::HasSubstr("a.vtu: material 'cyst' is not in the material table 'two tissues'"));
+  // Of gmsh by way of meshio.
+  const auto physical = ToGrid(TwoCells(), { "air", "fat", "gland" });
+  physical->GetCellData()->GetArray(MaterialArrayName)->SetName("gmsh:physical");
+  EXPECT_THAT(FitGrid(physical, table, "a.vtu").Materials,
+    testing::ElementsAreArray(TwoCells().Materials));
   grid->GetCellData()->RemoveArray(MaterialArrayName);
   EXPECT_THAT(test::RefusalOf([&] { FitGrid(grid, table, "a.vtu"); }),
     testing::HasSubstr("a.vtu: grid: expected the cell array 'Material'"));
