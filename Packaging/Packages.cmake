@@ -4,25 +4,21 @@ include("${CMAKE_CURRENT_SOURCE_DIR}/Packaging/Settings.cmake")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
 
 set(soversion "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
-set(libraries "libmammoray${soversion}")
 
-mammoray_package(data mammoray-data science ""
-  "attenuation tables, spectra and a phantom for MammoRay"
-  "${about}\n\nThis package has the tables that its X-rays need, and a phantom breast with its\nmammogram.")
-mammoray_package(runtime ${libraries} libs "mammoray-data ${same_version}, libvulkan1"
-  "X-ray projection and breast registration, libraries"
-  "${about}\n\nThis package has the shared libraries.")
-if (MAMMORAY_BUILD_APPLICATIONS)
-  mammoray_package(program mammoray science "${libraries} ${same_version}"
-    "registration of breast MRI with mammograms by synthetic X-rays"
-    "${about}\n\nThis package has the program; 'mammoray demo' shows what it does.")
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "mesa-vulkan-drivers (>= 24.1) | vulkan-icd")
-endif ()
-set(development_depends "${libraries} ${same_version}, libvtk9-dev")
+# All that a registration needs, so that one file can be installed alone.
+mammoray_package(suite mammoray science libvulkan1
+  "registration of breast MRI with mammograms by synthetic X-rays"
+  "${about}\n\nThis package has the program, its libraries, tables and a phantom breast;\n'mammoray demo' shows what it does."
+  runtime program data)
+set(CPACK_DEBIAN_SUITE_PACKAGE_RECOMMENDS "mesa-vulkan-drivers (>= 24.1) | vulkan-icd")
+set(CPACK_DEBIAN_SUITE_PACKAGE_PROVIDES "mammoray-data ${same_version}")
+set(CPACK_DEBIAN_SUITE_PACKAGE_CONFLICTS mammoray-data)
+set(CPACK_DEBIAN_SUITE_PACKAGE_REPLACES mammoray-data)
+set(development_depends "mammoray ${same_version}, libvtk9-dev")
 if (MAMMORAY_WRAP_PYTHON)
   # The CMake files name its module, too, and CMake wants to see it.
   string(APPEND development_depends ", python3-mammoray ${same_version}")
-  mammoray_package(python python3-mammoray python "${libraries} ${same_version}, python3, python3-numpy, python3-vtk9"
+  mammoray_package(python python3-mammoray python "mammoray ${same_version}, python3, python3-numpy, python3-vtk9"
     "X-ray projection and breast registration for Python"
     "${about}\n\nThis package has the Python 3 module: functions of arrays, and VTK filters.")
 endif ()
@@ -34,27 +30,24 @@ if (TARGET mammoray_project)
   # Octave's own libraries lie in a folder of theirs, where the octave that loads us has found them.
   cmake_path(GET MAMMORAY_OCTINTERP PARENT_PATH octave_libraries)
   list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${octave_libraries}")
-  mammoray_package(octave octave-mammoray math "${libraries} ${same_version}, octave"
+  mammoray_package(octave octave-mammoray math "mammoray ${same_version}, octave"
     "X-ray projection of meshes for Octave"
     "${about}\n\nThis package has the X-ray projector for Octave.")
 endif ()
-# Data and headers have no programs in them whose libraries could be asked for.
-set(CPACK_DEBIAN_DATA_PACKAGE_SHLIBDEPS OFF)
-set(CPACK_DEBIAN_DATA_PACKAGE_ARCHITECTURE all)
+# Headers have no programs in them whose libraries could be asked for.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 # Dependencies of other programs that link these libraries.
 set(shlibs "")
 foreach (module IN LISTS MAMMORAY_MODULES)
-  string(APPEND shlibs "libmammoray${module} ${soversion} ${libraries} (>= ${PROJECT_VERSION})\n")
+  string(APPEND shlibs "libmammoray${module} ${soversion} mammoray (>= ${PROJECT_VERSION})\n")
 endforeach ()
 file(WRITE "${CMAKE_BINARY_DIR}/packaging/shlibs" "${shlibs}")
 file(WRITE "${CMAKE_BINARY_DIR}/packaging/triggers" "activate-noawait ldconfig\n")
 set(control_files "${CMAKE_BINARY_DIR}/packaging/shlibs" "${CMAKE_BINARY_DIR}/packaging/triggers")
 file(CHMOD ${control_files} PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${control_files}")
-configure_file(Packaging/overrides.in "${CMAKE_BINARY_DIR}/packaging/overrides" @ONLY)
-install(FILES "${CMAKE_BINARY_DIR}/packaging/overrides" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
-  RENAME ${libraries} COMPONENT runtime)
+set(CPACK_DEBIAN_SUITE_PACKAGE_CONTROL_EXTRA "${control_files}")
+install(FILES Packaging/overrides DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
+  RENAME mammoray COMPONENT runtime)
 
 if (TARGET mammoray)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)

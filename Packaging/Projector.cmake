@@ -1,6 +1,12 @@
 # The second set: the projector alone, without what is under the GPL or the AGPL (copyright.projector says why it is that
-# little). Its tables are the package mammoray-data of the first set.
+# little), and its tables.
 include("${CMAKE_CURRENT_LIST_DIR}/Settings.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/Data.cmake")
+mammoray_package(data mammoray-data science ""
+  "attenuation tables, spectra and a phantom for MammoRay"
+  "${about}\n\nThis package has the tables that its X-rays need, and a phantom breast with its\nmammogram. The package mammoray has them, too.")
+set(CPACK_DEBIAN_DATA_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DATA_PACKAGE_ARCHITECTURE all)
 mammoray_package(projector python3-mammoray-xray python
   "mammoray-data ${same_version}, libvulkan1, python3, python3-numpy"
   "X-ray projection of meshes for Python, without GPL parts"

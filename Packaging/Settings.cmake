@@ -18,11 +18,21 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 set(same_version "(= ${PROJECT_VERSION})")
-# mammoray_package(<component> <package> <section> <depends> <summary> <description>)
+# mammoray_package(<component> <package> <section> <depends> <summary> <description> [<component>...])
+# With several components, the first name is that of their group.
 macro (mammoray_package component package section depends summary description)
   string(TOUPPER "${component}" upper)
-  list(APPEND CPACK_COMPONENTS_ALL ${component})
-  set(package_of_${component} "${package}")
+  if (${ARGC} EQUAL 6)
+    list(APPEND CPACK_COMPONENTS_ALL ${component})
+    set(package_of_${component} "${package}")
+  else ()
+    foreach (part IN ITEMS ${ARGN})
+      list(APPEND CPACK_COMPONENTS_ALL ${part})
+      set(package_of_${part} "${package}")
+      string(TOUPPER "${part}" part)
+      set(CPACK_COMPONENT_${part}_GROUP ${component})
+    endforeach ()
+  endif ()
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME "${package}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION "${section}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}")
@@ -41,12 +51,12 @@ add_custom_command(OUTPUT "${documents}/changelog.gz"
     -D "GZIP=${GZIP}" -P "${MAMMORAY_PACKAGING}/Compress.cmake"
   DEPENDS "${documents}/changelog" VERBATIM)
 set(package_documents "${documents}/changelog.gz")
-# Copyright (a file of this folder; of the component `data` copyright.data) and changelog of every package; to be called when all
+# Copyright (a file of this folder; of mammoray-data copyright.data) and changelog of every package; to be called when all
 # components are known.
 macro (mammoray_package_documents copyright)
   foreach (component IN LISTS CPACK_COMPONENTS_ALL)
     set(file "${copyright}")
-    if ("${component}" STREQUAL data)
+    if ("${package_of_${component}}" STREQUAL mammoray-data)
       set(file copyright.data)
     endif ()
     install(FILES "${MAMMORAY_PACKAGING}/${file}" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package_of_${component}}"

@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
-# Installs the packages in a bare Debian 12, which debootstrap makes, and uses them there as an ordinary user: the
-# demo, the manual, the completion, Python, Octave; then, with libmammoray-dev and the compiler that it brings, a C++ program;
+# Installs the packages in a bare Debian, which debootstrap makes, and uses them there as an ordinary user: the demo with the
+# package mammoray alone; the manual, the completion, Python, Octave; then, with libmammoray-dev and the compiler that it brings, a C++ program;
 # then the projector alone, and the plugin in ParaView. Needs root, debootstrap and the network; some minutes, 6 GB.
 #
 #   Packaging/try.sh [FOLDER_OF_PACKAGES [ROOT]]     build/packages, and a new folder that is removed at the end
+#   RELEASE=trixie Packaging/try.sh ...              on Debian 13
 set -euo pipefail
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+release=${RELEASE:-bookworm}
 packages=$(realpath "${1:-$top/build/packages}")
 die() { printf 'try.sh: %s\n' "$*" >&2; exit 1; }
 compgen -G "$packages/*.deb" >/dev/null || die "expected packages in $packages (./quickstart package), found none"
 [ "$(id -u)" = 0 ] || die "expected root, who may make another root, found $(id -un)"
 
 mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME) $(COMPONENT) $(ORIGIN)' 'Created-By: Packages' |
-  awk '$2 == "bookworm" && $3 == "main" && $4 == "Debian" { print $1; exit }')
+  awk '$2 ~ /^(bookworm|trixie)$/ && $3 == "main" && $4 == "Debian" && !seen++ { print $1 }')
 root=${2:-}
 if [ -z "$root" ]; then
   root=$(mktemp -d)
@@ -22,20 +24,25 @@ else
 fi
 if [ ! -x "$root/usr/bin/apt-get" ]; then
   command -v debootstrap >/dev/null || die "expected debootstrap (Debian: debootstrap), found none"
-  debootstrap --variant=minbase bookworm "$root" "$mirror"
+  debootstrap --variant=minbase "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
 fi
 chmod 755 "$root" # mktemp's is closed to the user inside
-echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
 echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/try" # need not survive a loss of power
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
 rm -rf "$root/packages"
 cp -r "$packages" "$root/packages"
 inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
 inside apt-get update -q
-inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
+if [ "$release" = bookworm ]; then
+  echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
+  inside apt-get update -q
+  inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
+else
+  inside apt-get install -y -q --no-install-recommends mesa-vulkan-drivers
+fi
 # Takes patterns of packages' names.
 install() { (cd "$root/packages" && inside apt-get install -y -q --no-install-recommends $(printf '/packages/%s ' $1)); }
-install 'mammoray_*.deb mammoray-data_*.deb libmammoray[0-9]*.deb python3-mammoray_*.deb'
+install 'mammoray_*.deb'
 inside sh -c 'id user >/dev/null 2>&1 || useradd --create-home --shell /bin/bash user'
 as_user() { inside su - user -c "$1"; }
 
@@ -44,6 +51,7 @@ as_user 'time mammoray demo --overwrite && test -s demo-result/report.html'
 as_user 'mammoray locate --result demo-result --lesion /usr/share/mammoray/victre-phantom-1/lesion.nrrd --axes-as-given -o outline.csv && test -s outline.csv'
 as_user 'zgrep -q "mammoray.-register" /usr/share/man/man1/mammoray.1.gz'
 as_user 'bash -n /usr/share/bash-completion/completions/mammoray'
+install 'python3-mammoray_*.deb'
 cp "$top/Testing/Python/testProject.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
 as_user 'python3 testProject.py && python3 testProjectBox.py'
 
@@ -64,15 +72,15 @@ as_user 'c++ -std=c++20 consumer/xray.cxx -o xray $(pkg-config --cflags --libs m
 
 # The second set takes the place of python3-mammoray, and needs neither VTK nor the libraries of the first.
 if compgen -G "$packages/without-copyleft/python3-mammoray-xray_*.deb" >/dev/null; then
-  inside apt-get purge -y -q 'libmammoray*' mammoray python3-mammoray
+  inside apt-get purge -y -q libmammoray-dev mammoray 'python3-mammoray*' 'octave-mammoray*'
   inside apt-get autoremove -y -q
-  install 'without-copyleft/python3-mammoray-xray_*.deb'
+  install 'without-copyleft/*.deb'
   as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testProject.py'
 fi
 # The plugin in Debian's ParaView, whose Python conflicts with that of VTK.
 if compgen -G "$packages/paraview/paraview-mammoray_*.deb" >/dev/null; then
   inside sh -c 'apt-get purge -y -q $(dpkg-query -W -f "\${Package} " "python3-mammoray*" "python3-vtk*" 2>/dev/null)'
-  install 'mammoray-data_*.deb paraview/paraview-mammoray_*.deb'
+  install 'without-copyleft/mammoray-data_*.deb paraview/paraview-mammoray_*.deb'
   inside apt-get install -y -q --no-install-recommends python3-paraview xauth xdotool xvfb
   mkdir -p "$root/home/user/Applications"
   ln -sfn /usr/share/mammoray "$root/home/user/Data"
@@ -82,4 +90,4 @@ if compgen -G "$packages/paraview/paraview-mammoray_*.deb" >/dev/null; then
     Applications/ParaViewPlugin/pvpython.sh Applications/ParaViewPlugin/testPlugin.py plugin-test
     Applications/ParaViewPlugin/testWindow.sh /usr/share/mammoray/paraview/demo.pvsm state.png'
 fi
-echo "try.sh: all of $(cd "$packages" && echo *.deb) work"
+echo "try.sh: all of $(cd "$packages" && echo *.deb) work on $release"
