@@ -246,8 +246,11 @@ struct ProjectionJob
     }
     Scene inParts = scene;
     inParts.Samples = this->Parts;
-    const std::string shadow = ShadowWarning(inParts, exposure,
-      !given.Samples.empty() && given.HasSource() && given.HasDetector());
+    const std::vector<bool> fixed = scene.Materials.Fixed();
+    const bool isBreast =
+      given.Samples.empty() && std::find(fixed.begin(), fixed.end(), true) != fixed.end();
+    const std::string shadow =
+      ShadowWarning(inParts, exposure, !isBreast && given.HasSource() && given.HasDetector());
     return std::regex_replace(shadow, std::regex("\\?(?=\n|$)"), "? (--unit)");
   }
 

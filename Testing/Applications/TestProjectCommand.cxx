@@ -173,7 +173,7 @@ TEST_F(ProjectCommand, OverlapIsToldAndFollowsTheRule)
   const std::string surface = this->Folder.File("slabs.vtp");
   WriteMesh(ToPolyData(slabs, { "air", "fat", "stone" }), surface);
   this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
-      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92},
+      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92, "fixed": true},
       {"name": "stone", "labels": [2], "attenuation": "CaC2O4", "density_g_per_cm3": 2}]})");
   const std::string options = "project --mesh " + surface + " --materials " +
     this->Folder.File("table.json") +
@@ -212,7 +212,7 @@ TEST_F(ProjectCommand, ASmallOverlapInALargeSurfaceIsTold)
   const std::string surface = this->Folder.File("bodies.vtp");
   const std::string options = "project --mesh " + surface + " --materials " +
     this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
-      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92},
+      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92, "fixed": true},
       {"name": "stone", "labels": [2], "attenuation": "CaC2O4", "density_g_per_cm3": 2}]})") +
     " --kev 20 --beam-direction 0 0 -1 --detector-origin -40 -40 -50 --column-direction 1 0 0 "
     "--row-direction 0 1 0 --columns 8 --rows 8 --pixel-spacing 10 --overwrite -o " +

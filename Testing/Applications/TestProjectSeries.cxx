@@ -144,6 +144,19 @@ TEST_F(ProjectSeries, EmptyAndCutPicturesAreEvents)
   const IntensityVolume image = ReadIntensityFile(this->Stack);
   EXPECT_NEAR(-std::log(image.Voxels[25 * 50 + 25]), 2 * 2.70 * 3.441, 0.02 * 18.6);
   EXPECT_EQ(this->Run("project --surface Al=box.stl --unit yard" + around), 2);
+  // As a mesh with a table, too, unless something of it is fixed as the chest wall of a breast is.
+  const std::string cutBox = this->Box("box.stl", { 15, -10, -10 }, { 35, 10, 10 });
+  for (const char* const fixed : { "false", "true" })
+  {
+    const std::string table = this->Folder.Write("table.json",
+      R"({ "name": "t", "materials": [ { "name": "air", "labels": [0] }, { "name": "fat",
+        "labels": [1], "attenuation": "adipose", "fixed": )" +
+        std::string(fixed) + " } ] }");
+    EXPECT_EQ(this->Run("project --mesh " + cutBox + " --materials " + table + around), 0);
+    EXPECT_EQ(this->Errors.find("% of the shadow falls on the") == std::string::npos,
+      std::string(fixed) == "true")
+      << this->Errors;
+  }
   // Turned about an axis beside it, the part is seen, cut, not seen, and cut.
   EXPECT_THAT(told({ -10, -10, -10 }, { 10, 10, 10 }, " --turn 4 --axis-point 30 0 0"),
     testing::AllOf(HasSubstr("warning: projection 1: "),
