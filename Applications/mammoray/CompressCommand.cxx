@@ -45,8 +45,8 @@ void DeclareMeshes(const OptionList& add, CompressionCase& input)
   add.Expert()(Shared::SimulationCellSize, input.SimulationCellSizeMm);
   add.Expert().Choice<ElementType>("--element", input.Loading.Element,
     { { "quadratic", ElementType::Quadratic }, { "linear", ElementType::PatchAveragedLinear } },
-    "of the simulation: quadratic tetrahedra, or linear ones in patches\n(that share their volume; "
-    "linear takes a tenth of the time and needs three times as many cells a side)");
+    "quadratic tetrahedra of the simulation, or linear ones in patches\n(a tenth of the time, but "
+    "three times as many cells a side for the same accuracy)");
 }
 
 /// Declares where the unit stands and how far it closes.
@@ -77,8 +77,8 @@ void DeclareLoading(const OptionList& add, CompressionCase& input)
   add.Choice<std::optional<PatientPosition>>("--mri-position", input.ImagePosition,
     { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
       { "supine", PatientPosition::Supine } },
-    "how the patient lay in the MRI\n(from prone or supine the breast is unloaded of its weight "
-    "and compressed under that of the standing patient; none: no weight)");
+    "how the patient lay in the MRI\n(prone, supine: the breast is relieved of its weight and "
+    "compressed standing; none: no weight)");
   const OptionList expert = add.Expert();
   expert("--pull", input.PullN, "N",
     "force that draws the breast forwards onto the receptor, spread over it");

@@ -27,9 +27,8 @@ void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient)
 void AddSamePatientFlag(const OptionList& add, bool& same)
 {
   add.Flag("--same-patient", same,
-    "name the patient as the mammogram's header does\n(name, ID, birth date, accession number and "
-    "study, as archives need to file new objects beside it); otherwise nothing of the patient is "
-    "written but dates");
+    "name the patient and study as the mammogram's header does\n(archives need it; otherwise only "
+    "dates are written)");
 }
 
 void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,

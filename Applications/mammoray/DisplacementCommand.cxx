@@ -28,9 +28,8 @@ void Declare(const OptionList& add, DisplacementArguments& arguments)
   add.Choice("--direction", arguments.Direction,
     { { "compressed-to-volume", DisplacementDirection::CompressedToVolume },
       { "volume-to-compressed", DisplacementDirection::VolumeToCompressed } },
-    "which points are moved\n(those between the plates to their place in the volume, which "
-    "resamples the MRI into the compressed breast; or those of the volume, which moves points and "
-    "meshes between the plates)");
+    "which points are moved\n(from the compressed breast to the volume, which resamples the MRI "
+    "into that breast; or from the volume, which moves points and meshes into it)");
   add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
   add.Expert()("--margin", arguments.MarginMm, NonNegative("mm"),
     "how far the field reaches beyond the breast\n(there, points move with the nearest tissue)");

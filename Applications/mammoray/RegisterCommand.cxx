@@ -42,8 +42,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
   RegistrationCase& input = arguments.Case;
   CLI::Option* const study = add.Input("--study", arguments.Study,
     "a clinic's export, in place of labels, materials and mammograms\n(a folder of MRI and "
-    "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it; with "
-    "--labels these are its tissue, corrected, and nothing is segmented)");
+    "mammograms; 'mammoray intake' lists what is used; --labels replace its segmentation)");
   AddSideOption(add, arguments.Side);
   add.Expert()(Shared::Series, input.Series);
   AddLabelOptions(add, input.Labels);
@@ -151,9 +150,8 @@ void DeclareLoading(const OptionList& add, RegisterArguments& arguments)
     { { "auto", std::nullopt }, { "none", Position() },
       { "prone", Position(PatientPosition::Prone) },
       { "supine", Position(PatientPosition::Supine) } },
-    "how the patient lay\n(from prone or supine the breast is unloaded of its weight and "
-    "compressed under that of the standing patient; none: no weight; auto: as the header of a "
-    "--study's MRI says, else none)");
+    "how the patient lay\n(prone, supine: the breast is relieved of its weight and compressed "
+    "standing; none: no weight; auto: by the header of a --study's MRI, else none)");
 }
 
 void DeclareXRays(const OptionList& add, RegisterArguments& arguments)

@@ -47,13 +47,11 @@ void DeclareSeries(const OptionList& add, SeriesArguments& arguments)
 {
   const OptionList series = add.Group("Series of projections");
   series("--turn", arguments.Turn, Between(0, 100000),
-    "projections of a turning sample, a stack (.tif .mha .nrrd)\n(by --span before source and "
-    "detector, for tomography; a .json beside it tells the angles, the places of source and "
-    "detector, and where the axis' shadow stands)");
+    "projections of a turning sample, a stack (.tif .mha .nrrd)\n(by --span, for tomography; a "
+    ".json beside it holds angles, source, detector and the axis' shadow)");
   series("--tomosynthesis", arguments.Tomosynthesis, Between(0, 1000),
-    "projections of a source that moves (a stack or .dcm)\n(over --span about an axis along the "
-    "receptor's y, from -span/2 to span/2; a .dcm is a Breast Projection X-Ray Image, with --side, "
-    "which register takes)");
+    "projections of a source that moves (a stack or .dcm)\n(from -span/2 to span/2 about an axis "
+    "along the receptor's y; register takes a .dcm, which needs --side)");
   series("--span", arguments.SpanDeg, Between(-3600, 3600, "deg"),
     "of --turn (default: 360) or --tomosynthesis (default: 50)\n(the end of a turn is not "
     "repeated)");

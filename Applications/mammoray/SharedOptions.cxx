@@ -18,7 +18,7 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
     ->needs(labels);
   expert("--cut-side", source.CutSides,
     "i-, i+, j-, j+, k- or k+: end of an axis at which the tissue was cut flat\nwith air behind "
-    "(before the chest wall, say): it gets no --skin and does not move there")
+    "(for example in front of the chest wall): no --skin there, and it does not move")
     ->needs(labels);
   return labels;
 }

@@ -41,20 +41,17 @@ inline const SharedOption Point{ "--point", "a place in the frame of the label v
 
 /// Files and folders, or names of shipped ones.
 inline const SharedOption Image{ "--image",
-  "MRI (.nrrd .mha .nii.gz, DICOM series)\n(also .nhdr .mhd .nii; in the frame of the labels, "
-  "where "
-  "there are some)",
+  "MRI (.nrrd .mha .nii.gz, DICOM series)\n(also .nhdr .mhd .nii; in the frame of the labels)",
   InputTypeName };
 inline const SharedOption Labels{ "--labels",
-  "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; the "
-  "names of segments, where there are some, decide what they are)",
+  "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; names "
+  "of segments count before numbers)",
   InputTypeName };
 inline const SharedOption Lesion{ "--lesion",
   "label volume of lesions, same frame (.nrrd .mha .nii.gz, DICOM SEG)", InputTypeName };
 inline const SharedOption Mammograms{ "--mammogram",
-  "mammogram (DICOM MG), once for each view of the same breast\n(CC and MLO are registered "
-  "together, with one stiffness of gland; of a tomosynthesis, Breast Projection X-Ray Image, all "
-  "projections against one compression)",
+  "mammogram (DICOM MG), once for each view of the same breast\n(CC and MLO share the stiffness of "
+  "gland; projections of a tomosynthesis share the compression)",
   FileTypeName };
 inline const SharedOption Materials{ "--materials",
   "material table: .json or a shipped one's name (victre, segment, ...)", InputTypeName };
@@ -71,21 +68,17 @@ inline const SharedOption SimulationMesh{ "--simulation-mesh",
   "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)",
   FileTypeName };
 inline const SharedOption Spectrum{ "--spectrum",
-  "spectrum: a file or a shipped one's name\n(.spc: eV and photons per mm2 and keV up to the next "
-  "energy, the last one negative; other extensions: two columns in eV, keV or MeV and photons, "
-  "header lines, comma, semicolon or blanks)",
+  "spectrum: a file or a shipped one's name\n(.spc, or two columns of energy and photons; what "
+  "each may hold: file formats)",
   InputTypeName };
 
 /// Texts: AnatomicalAxes::FromCode, and MATERIAL=FILE each.
 inline const SharedOption Orientation{ "--orientation",
-  "directions of the input's axes, such as LPS or ALS\n(one letter each of L/R, A/P, S/I for +x, "
-  "+y "
-  "and +z; LPS is DICOM's, ALS that of the FDA's phantoms)" };
+  "directions of the input's axes, such as LPS or ALS\n(a letter of L/R, A/P, S/I for each; LPS is "
+  "DICOM's, ALS that of the FDA's phantoms)" };
 inline const SharedOption Surface{ "--surface",
-  "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .msh "
-  ".glb .gltf; for an X-ray the material may be what it is made of, with the density in g/cm3 "
-  "where "
-  "that does not tell it: 'Ti90Al6V4@4.43=matrix.stl')",
+  "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .msh .glb "
+  ".gltf; for an X-ray the material may be a composition, 'Ti90Al6V4@4.43=matrix.stl')",
   "MATERIAL=FILE" };
 
 /// A parameter of the pose, such as --roll.

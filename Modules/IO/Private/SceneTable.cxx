@@ -205,10 +205,10 @@ std::vector<SceneRow> SubjectRows()
           Use::Rare, 0),
       MEMBER(OverlapPriority)),
     Row(Other(Kind::Flag, "realistic", "",
-          "with noise, blur, heel and scatter\n(what is not asked for otherwise is that of a "
-          "modern unit: tungsten tube of 29 kV with 0.05 mm Rh, heel and inverse square, scatter "
-          "of 17 mm of air behind a grid of lead 5:1 with 31 lines per cm and fibre, half "
-          "modulation 5 per mm, noise of 2e7 photons per mm2, 5 photons of the detector's own)",
+          "with noise, blur, heel and scatter\n(a modern unit, as far as nothing else is set: "
+          "tungsten tube of 29 kV with 0.05 mm Rh, heel, inverse square, scatter behind 17 mm of "
+          "air and a grid 5:1 of 31 lines per cm, half modulation at 5 per mm, 2e7 photons per "
+          "mm2, electronic noise of 5 photons)",
           Use::Daily),
       MEMBER(IsRealistic)),
   };
@@ -217,16 +217,14 @@ std::vector<SceneRow> SubjectRows()
 std::vector<SceneRow> BeamRows()
 {
   SceneQuantity tube = Other(Kind::Word, "beam.tube", "",
-    "instead, a tube with this anode\n(to 42 kV measured spectra behind a beryllium window, Boone, "
-    "Fewell "
-    "and Jennings 1997; tungsten above, and with a target angle, computed without window)",
+    "instead, a tube with this anode\n(up to 42 kV measured spectra of Boone, Fewell and Jennings "
+    "1997; above, or with a target angle, computed tungsten without window)",
     Use::Daily);
   tube.Words = { "W", "Mo", "Rh" };
   return {
     Row(Other(Kind::FileOrName, "beam.spectrum", "",
-          "spectrum: a file or a shipped one's name\n(.spc: eV and photons per mm2 and keV up to "
-          "the next energy, the last one negative; other extensions: two columns in eV, keV or MeV "
-          "and photons, header lines, comma, semicolon or blanks)",
+          "spectrum: a file or a shipped one's name\n(.spc, or two columns of energy and photons; "
+          "what each may hold: file formats)",
           Use::Expert),
       MEMBER(Spectrum)),
     Row(
