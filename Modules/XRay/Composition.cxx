@@ -388,8 +388,9 @@ std::string MixtureText(const std::map<int, double>& massFractions)
   {
     const std::unique_ptr<char, decltype(&xrlFree)> symbol(AtomicNumberToSymbol(element, nullptr),
       xrlFree);
-    text += (text.empty() ? "" : " ") + std::string(symbol ? symbol.get() : "") + ":" +
-      NumberText(fraction);
+    text += text.empty() ? "" : " ";
+    text += symbol ? symbol.get() : "";
+    text += ":" + NumberText(fraction);
   }
   return text;
 }
