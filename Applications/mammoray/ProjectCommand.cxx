@@ -207,6 +207,10 @@ void CheckOutputs(const ProjectArguments& arguments)
   CheckOutputFile(arguments.Output);
   if (!arguments.MakeKernels.empty())
   {
+    if (arguments.DualEnergy.IsAsked())
+    {
+      throw InputError("--make-kernels: expected one beam, found --high beside it");
+    }
     CheckOutputFile(arguments.MakeKernels);
   }
   if (!arguments.PathLengths.empty())

@@ -350,6 +350,16 @@ TEST(ScatterModel, ABlockOfPlasticScattersAsPhotonsThatAreFollowed)
   }
 }
 
+TEST(ScatterModel, RefusesKernelsOfOtherEnergies)
+{
+  const ScatterKernels breast = FindScatterKernels();
+  for (const double energy : { 5.0, 80.0 })
+  {
+    EXPECT_THROW(ScatterModel(breast, Spectrum::Monochromatic(energy), {}, 17), InputError);
+  }
+  EXPECT_NO_THROW(ScatterModel(breast, Spectrum::Monochromatic(50), {}, 17));
+}
+
 TEST(ScatterModel, KernelsOfASceneHaveItsMeanMaterial)
 {
   Scene scene;
@@ -366,8 +376,8 @@ TEST(ScatterModel, KernelsOfASceneHaveItsMeanMaterial)
   lengths.Lengths = { 0, 0, 20, 10, 0, 10, 0, 0 };
   const ScatterKernels kernels = KernelAxesOf(scene, lengths);
   EXPECT_NEAR(kernels.DensityGPerCm3, 0.75 * 1 + 0.25 * 2.2, 1e-12);
-  // 0.75 g of water with 11.19 % of hydrogen in 1.3 g.
-  EXPECT_THAT(kernels.Composition, testing::StartsWith("H:0.0645"));
+  // 0.75 g of water with 11.2 % of hydrogen in 1.3 g.
+  EXPECT_THAT(kernels.Composition, testing::StartsWith("H:0.064"));
   EXPECT_GE(kernels.ThicknessesMm.back(), 20);
   EXPECT_LE(kernels.ThicknessesMm.back(), 22);
   EXPECT_EQ(kernels.EnergiesKeV, std::vector<double>{ 20 });

@@ -135,6 +135,14 @@ ScatterModel::ScatterModel(const ScatterKernels& kernels, const Spectrum& spectr
     throw InputError("scatter: expected a gap of 0 to " + NumberText(widest) +
       " mm for these kernels, found " + NumberText(gapMm));
   }
+  const double mean = spectrum.MeanEnergyKeV();
+  // Beyond the table shares are constant, which a tail of the spectrum bears.
+  if (mean > 1.05 * kernels.EnergiesKeV.back() || mean < 0.8 * kernels.EnergiesKeV.front())
+  {
+    throw InputError("scatter: expected photons of " + NumberText(kernels.EnergiesKeV.front()) +
+      " to " + NumberText(kernels.EnergiesKeV.back()) + " keV for these kernels, found a mean of " +
+      NumberText(mean) + "; kernels of the scene have its energies");
+  }
   this->Rings.assign(kernels.ThicknessesMm.size() + 1,
     std::vector<RingShares>(this->Gaps.size(), RingShares(kernels.NumberOfRings())));
   this->Thicknesses.insert(this->Thicknesses.end(), kernels.ThicknessesMm.begin(),

@@ -97,7 +97,8 @@ class MAMMORAYXRAY_EXPORT ScatterModel
 {
 public:
   /// `gapMm`: from the back of the tissue, where it is thickest, to the detector, 0 to 200 or to
-  /// the largest gap of the table. Throws InputError on a gap out of range.
+  /// the largest gap of the table. Throws InputError on a gap out of range, and if the table lacks
+  /// the mean energy of the spectrum.
   ScatterModel(const ScatterKernels& kernels, const Spectrum& spectrum,
     const DetectorResponse& response, double gapMm,
     const std::optional<AntiscatterGrid>& grid = {});
