@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/AtomicFile.h"
 
+#include "Private/LinuxCalls.h"
 #include "Private/OwnedDescriptor.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
@@ -74,11 +75,8 @@ fs::path ResolvedPlace(const std::string& path)
 /// True if the folder cannot be replaced by a rename but can be filled, as a mount point.
 bool IsFixed(const fs::path& folder)
 {
-  struct statx found = {};
   return fs::is_directory(folder) &&
-    (access(folder.parent_path().c_str(), W_OK | X_OK) != 0 ||
-      (statx(AT_FDCWD, folder.c_str(), 0, STATX_BASIC_STATS, &found) == 0 &&
-        (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0));
+    (access(folder.parent_path().c_str(), W_OK | X_OK) != 0 || linuxCalls::IsMountPoint(folder));
 }
 
 /// The locked partial file or folder of an output; removed unless it is renamed into its place.
@@ -93,7 +91,7 @@ public:
   {
     // File systems without locks report other errors. Who held the lock may have renamed the file.
     const bool isTaken = flock(this->Locked.Get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    const std::string opened = "/proc/self/fd/" + std::to_string(this->Locked.Get());
+    const fs::path opened = linuxCalls::PathOf(this->Locked.Get());
     if (isTaken || !fs::equivalent(opened, this->Partial))
     {
       throw InputError(
@@ -199,8 +197,7 @@ private:
   /// then the partial folder, which is removed.
   void Exchange() const
   {
-    if (renameat2(AT_FDCWD, this->Partial.c_str(), AT_FDCWD, this->Place.c_str(),
-          RENAME_EXCHANGE) != 0)
+    if (!linuxCalls::Exchange(this->Partial, this->Place))
     {
       Require(errno == EINVAL || errno == ENOSYS);
       const fs::path replaced = this->Place.string() + ".replaced";
@@ -307,13 +304,13 @@ void WriteAtomicFile(const std::string& path, std::string_view bytes)
 void WriteAtomicFile(const std::string& path,
   const std::function<void(const std::string& staged)>& write)
 {
-  const OwnedDescriptor memory(memfd_create("mammoray", MFD_CLOEXEC));
+  const OwnedDescriptor memory(linuxCalls::OpenInMemory("mammoray"));
   const ScratchFolder scratch;
   const std::string staged = scratch.File(fs::path(path).filename().string());
   UseReservation(path, false,
     [&](Reservation& reservation)
     {
-      fs::create_symlink("/proc/self/fd/" + std::to_string(memory.Get()), staged);
+      fs::create_symlink(linuxCalls::PathOf(memory.Get()), staged);
       write(staged);
       const auto size = static_cast<std::size_t>(lseek(memory.Get(), 0, SEEK_END));
       rlimit limit = {};

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/GuardedRead.h"
 
+#include "Private/LinuxCalls.h"
 #include "Private/OwnedDescriptor.h"
 
 #include <poll.h>
-#include <stdio_ext.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -21,7 +19,6 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <new>
 #include <optional>
@@ -57,7 +54,7 @@ ReadLimits Allowed;
 }
 
 /// Sets a soft limit, at most the hard one.
-void Limit(__rlimit_resource resource, std::uint64_t most)
+void Limit(decltype(RLIMIT_AS) resource, std::uint64_t most)
 {
   rlimit limit{};
   getrlimit(resource, &limit);
@@ -82,7 +79,7 @@ void SetLimits()
 void SetUpReader(const ReadLimits& limits)
 {
   IsReader = true;
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  linuxCalls::EndWithParent();
   // Handlers of the asking process would save its work.
   for (const int death : { SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGTERM, SIGXCPU })
   {
@@ -91,11 +88,10 @@ void SetUpReader(const ReadLimits& limits)
   // Ctrl-C reaches all processes of a terminal; the asking one decides.
   std::signal(SIGINT, SIG_IGN);
   Limit(RLIMIT_CORE, 0);
-  std::ifstream("/proc/self/statm") >> AddressesAtStart;
-  AddressesAtStart *= static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  AddressesAtStart = linuxCalls::AddressesInUse();
   Allowed = limits;
   SetLimits();
-  const int said = memfd_create("mammoray-said", MFD_CLOEXEC);
+  const int said = linuxCalls::OpenInMemory("mammoray-said");
   dup2(said, STDOUT_FILENO);
   dup2(said, STDERR_FILENO);
 }
@@ -150,7 +146,7 @@ void SetUpReader(const ReadLimits& limits)
     ending = Ending::Died;
   }
   // Drops the bytes that could not be written; rewinding would write them again.
-  __fpurge(file);
+  linuxCalls::Purge(file);
   std::rewind(file);
   std::fwrite(&ending, sizeof ending, 1, file);
   if (ending == Ending::Refused)
@@ -368,7 +364,7 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
   const std::function<void(Parcel&)>& take, const TellCallback& heard)
 {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
-    fdopen(memfd_create("mammoray-read", MFD_CLOEXEC), "w+b"), std::fclose);
+    fdopen(linuxCalls::OpenInMemory("mammoray-read"), "w+b"), std::fclose);
   if (!file)
   {
     RefuseToAsk(what, "a file in memory");

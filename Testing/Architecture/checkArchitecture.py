@@ -9,7 +9,8 @@
 - no text of a module names an option of the command line: errors name fields (RefusedField);
 - nothing but Validation and the tests includes headers of Validation, which may include everything;
 - every module has a README, and every source of it is listed in CMakeLists.txt;
-- a source that docs/develop/architecture.md names is there.
+- a source that docs/develop/architecture.md names is there;
+- that page names each source that includes a header of POSIX or Linux; what Linux alone has is in one file of each module.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
 """
@@ -38,6 +39,11 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 RAW_TEXT = re.compile(r'R"(\w*)\(.*?\)\1"', re.DOTALL)
 TEXT = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 OPTION = re.compile(r"(?<![\w-])--[a-z][\w-]*")
+# Headers that other systems lack, and what Linux and its C library alone have.
+SYSTEM = re.compile(r"(sys|arpa|net|netinet|linux|X11)/.*|(unistd|fcntl|poll|dlfcn|spawn|pthread|sched|termios|netdb|pwd|grp|dirent|glob"
+                    r"|malloc|stdio_ext|execinfo|link|elf)\.h")
+LINUX = re.compile(r"\b(memfd_create|statx|renameat2|prctl|__f\w+|mallopt|malloc_\w+|_SC_\w*PHYS_PAGES|ru_maxrss|epoll_\w+|inotify_\w+|signalfd"
+                   r"|eventfd|timerfd_\w+|sched_\w+affinity|fallocate|gettid|splice|sendfile|copy_file_range|dl_iterate_phdr|O_TMPFILE|O_PATH)\b|\"/proc/")
 
 
 def sources(folder):
@@ -151,6 +157,23 @@ def check_names(root, wrong):
             wrong.append(f"docs/develop/architecture.md: there is no {name}")
 
 
+def check_portability(root, modules, wrong):
+    """The page is the list of places to touch for another system."""
+    page = root / "docs/develop/architecture.md"
+    named = set(re.findall(r"`([\w/]+\.\w+)`", page.read_text())) if page.exists() else set()
+    for folder in [root / "Modules" / module for module in modules] + [root / "Applications" / "mammoray"]:
+        of_linux = []
+        for path in sources(folder) if folder.is_dir() else []:
+            text, name = path.read_text(), path.relative_to(folder).as_posix()
+            systems = [header for header in INCLUDE.findall(text) if SYSTEM.fullmatch(header)]
+            if systems and name not in named:
+                wrong.append(f"{path.relative_to(root)}: includes {systems[0]}, but docs/develop/architecture.md does not name it")
+            if LINUX.search(text):
+                of_linux.append(name)
+        if len(of_linux) > 1:
+            wrong.append(f"{folder.relative_to(root)}: expected calls of Linux in one file, found {', '.join(of_linux)}")
+
+
 def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
@@ -165,6 +188,7 @@ def main():
     check_validation(root, wrong)
     check_rooms(root, modules, wrong)
     check_names(root, wrong)
+    check_portability(root, modules, wrong)
     for line in wrong:
         print(line)
     print(f"{len(modules)} modules, {len(wrong)} breaches")

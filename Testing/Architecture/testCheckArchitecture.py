@@ -50,6 +50,7 @@ BREACHES = {
     "Wrapping/wrap.cxx": ('#include "Twins.h"\n', "must not include Twins.h of Validation"),
     "Applications/tool.cxx": ('#include "../Validation/Other.h"\n', "must not include ../Validation/Other.h"),
     "docs/develop/architecture.md": ("`Private/Own.h`, `Beams.cxx`\n", "there is no Beams.cxx"),
+    "Modules/XRay/Private/Own.h": ("#include <sys/wait.h>\n", "includes sys/wait.h, but docs/develop/architecture.md does not name it"),
     "Testing/IO/TestFiles.cxx": ('#include "mammoray/XRay/Private/Own.h"\n', "is private to XRay"),
 }
 
@@ -67,6 +68,16 @@ def main():
         if code != 0:
             failures += 1
             print(f"expected no breach, found\n{text}")
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        tree(root)
+        write(root, "Modules/IO/Inner.h", 'int file = memfd_create("a", 0);\n')
+        alone = run(root)
+        write(root, "Modules/IO/Private/Own.h", 'int file = open("/proc/self/fd/1", 0);\n')
+        both = run(root)
+        if alone[0] != 0 or both[0] != 1 or "expected calls of Linux in one file, found Inner.h, Private/Own.h" not in both[1]:
+            failures += 1
+            print(f"calls of Linux: found {alone}, then {both}")
     for name, (text, expected) in BREACHES.items():
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
@@ -76,7 +87,7 @@ def main():
             if code != 1 or expected not in found:
                 failures += 1
                 print(f"{name}: expected '{expected}', found {code}\n{found}")
-    print(f"{len(BREACHES) + 1} trees, {failures} failures")
+    print(f"{len(BREACHES) + 2} trees, {failures} failures")
     return 1 if failures else 0
 
 
