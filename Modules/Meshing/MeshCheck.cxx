@@ -94,9 +94,10 @@ public:
     {
       const bool back = surface.BackMaterials[triangle] == material;
       const bool front = surface.FrontMaterials[triangle] == material;
-      if (back != front)
+      const std::uint32_t* ids = &surface.Triangles[3 * triangle];
+      // A triangle that names a point twice bounds nothing.
+      if (back != front && ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0])
       {
-        const std::uint32_t* ids = &surface.Triangles[3 * triangle];
         this->Corners.insert(this->Corners.end(), { ids[0], ids[back ? 1 : 2], ids[back ? 2 : 1] });
       }
     }
@@ -424,10 +425,6 @@ private:
     {
       const std::uint64_t a = this->Corners[corner];
       const std::uint64_t b = this->Corners[Next(corner)];
-      if (a == b)
-      {
-        continue; // of a triangle without area; its other two sides close each other
-      }
       this->Edges.push_back({ a < b ? (a << 32) | b : (b << 32) | a, corner, a < b });
     }
     std::sort(this->Edges.begin(), this->Edges.end(),

@@ -233,6 +233,7 @@ TEST(MeshCheck, TrianglesThatNameAPointTwiceAreNoHoles)
   AddTriangle(surface, 4, 4, 9, 3, 0);
   const MeshCheck check = CheckSurface(surface);
   EXPECT_FALSE(check.Find(Kind::Holes));
+  EXPECT_FALSE(check.Find(Kind::Pinches));
   ASSERT_TRUE(check.Find(Kind::FlatTriangles));
   EXPECT_EQ(check.Find(Kind::FlatTriangles)->Count, 1u);
 }
