@@ -13,6 +13,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace mammoray
 {
@@ -384,6 +385,30 @@ VectorFields CompressionSimulation::Sensitivities(const CompressionState& state,
     this->Internal->DrawAlong(fields[field]);
   }
   return fields;
+}
+
+CompressionSimulation::LossGradient CompressionSimulation::Backward(const CompressionState& state,
+  const std::vector<double>& loss, const std::vector<PlatePairVelocity>& velocities)
+{
+  CheckState(state, this->RestPositions().size());
+  if (loss.size() != state.Positions.size())
+  {
+    throw InputError("backward: expected a derivative for each of " +
+      std::to_string(state.Positions.size()) + " coordinates, found " +
+      std::to_string(loss.size()));
+  }
+  if (this->Internal->Unloaded)
+  {
+    throw InputError(
+      "backward: expected a mesh free of load, found one imaged under gravity, whose "
+      "stress-free shape depends on the stiffness of all cells");
+  }
+  std::vector<double> drawn = loss;
+  this->Internal->GatherDrawn(drawn);
+  this->Internal->Recall(state);
+  EquilibriumGradient gradient =
+    this->Internal->Solver.Backward(state.Positions, state.Plates, drawn, velocities);
+  return { std::move(gradient.Cells), std::move(gradient.Materials), std::move(gradient.Plates) };
 }
 
 double CompressionSimulation::PaddleForceDerivative(const CompressionState& state,

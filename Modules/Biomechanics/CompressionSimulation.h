@@ -325,6 +325,25 @@ public:
     const std::vector<MaterialDerivative>& materialDerivatives = {},
     const std::vector<LoadingDerivative>& loadingDerivatives = {});
 
+  /// Derivatives of a number, the loss, with respect to what an equilibrium depends on.
+  struct LossGradient
+  {
+    /// With respect to a relative change of the stiffness (Young's modulus) of each cell of the
+    /// mesh and of each material, the others unchanged; 0 for fixed ones.
+    std::vector<double> Cells;
+    std::vector<double> Materials;
+    /// With respect to each parameter that moves the plates, per unit of it.
+    std::vector<double> Plates;
+  };
+  /**
+   * The gradient of a loss whose derivatives with respect to the positions of the nodes at a
+   * converged state are `loss`, 3 x nodeCount, 1/mm, in reverse mode: one back-substitution with
+   * the equilibrium's factor for any number of cells. As exact as Sensitivities. Throws InputError
+   * on a loss of another size, and after Unload, where the stress-free shape depends on all cells.
+   */
+  LossGradient Backward(const CompressionState& state, const std::vector<double>& loss,
+    const std::vector<PlatePairVelocity>& velocities = {});
+
   /// Derivative of PaddleForceN with respect to a parameter that moves the plates, N per unit; as
   /// exact as Sensitivities.
   double PaddleForceDerivative(const CompressionState& state, const PlatePairVelocity& velocity);

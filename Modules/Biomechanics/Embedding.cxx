@@ -331,4 +331,20 @@ void Embedding::Map(std::span<const double> nodeValues, std::span<double> pointV
       std::copy_n(sum, 3, &pointValues[3 * p]);
     });
 }
+
+std::vector<double> Embedding::Gather(const std::vector<double>& pointValues,
+  std::size_t nodeCount) const
+{
+  std::vector<double> sums(3 * nodeCount, 0.0);
+  const auto perPoint = static_cast<std::size_t>(this->NodesPerPoint);
+  for (std::size_t index = 0; index < this->Weights.size(); ++index)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      sums[3 * static_cast<std::size_t>(this->Nodes[index]) + axis] +=
+        this->Weights[index] * pointValues[3 * (index / perPoint) + axis];
+    }
+  }
+  return sums;
+}
 }

@@ -27,6 +27,8 @@ public:
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
   /// Interpolates into `pointValues`, 3 x pointCount.
   void Map(std::span<const double> nodeValues, std::span<double> pointValues) const;
+  /// The transpose of Map: values at the points, 3 x pointCount, summed at `nodeCount` nodes.
+  std::vector<double> Gather(const std::vector<double>& pointValues, std::size_t nodeCount) const;
   std::size_t NumberOfPoints() const { return this->CellIndices.size(); }
   /// Index of the cell that contains or is nearest to each point.
   const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }

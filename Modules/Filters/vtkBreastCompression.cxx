@@ -13,9 +13,11 @@
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnstructuredGrid.h"
@@ -63,6 +65,15 @@ struct CompressionSetup
   }
 };
 
+void AddDoubles(vtkFieldData* data, const char* name, const std::vector<double>& values)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  data->AddArray(array);
+}
+
 /// The requested time; 1, closed, without a request.
 double TimeAsked(vtkInformation* information)
 {
@@ -82,6 +93,8 @@ struct vtkBreastCompression::Internals
   /// The state found last for a force, and the force with the plates it began with.
   std::optional<CompressionState> Pressed;
   std::pair<double, PlatePair> PressedFor;
+  /// The unit and its pose in the last update, if that closed the plates.
+  std::optional<std::pair<UnitPlacement, BreastPose>> Closed;
 
   CompressionSimulation& Simulation() { return this->Model->Body().Simulation(); }
   ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
@@ -97,6 +110,7 @@ struct vtkBreastCompression::Internals
     const ProgressCallback& progress);
   vtkSmartPointer<vtkUnstructuredGrid> Compressed(vtkUnstructuredGrid* input,
     const std::optional<double>& thicknessMm);
+  CompressionSimulation::LossGradient Backward(vtkDataArray* loss);
 };
 
 /// Constants of the mesh's materials: what SetMaterial said of their numbers, else the table's by
@@ -262,6 +276,33 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkBreastCompression::Internals::Compressed
   return breast.At(*this->State, thicknessMm);
 }
 
+CompressionSimulation::LossGradient vtkBreastCompression::Internals::Backward(vtkDataArray* loss)
+{
+  if (!this->State || !this->Closed)
+  {
+    throw InputError("Backward: expected an update with closed plates before, found none");
+  }
+  const vtkIdType points = static_cast<vtkIdType>(this->Made.Anatomy.Points.size()) / 3;
+  if (!loss || loss->GetNumberOfComponents() != 3 || loss->GetNumberOfTuples() != points)
+  {
+    throw InputError("Backward: expected three derivatives for each of " + std::to_string(points) +
+      " points, found " + std::to_string(loss ? loss->GetNumberOfValues() : 0) + " values");
+  }
+  std::vector<double> nodes;
+  for (vtkIdType value = 0; value < loss->GetNumberOfValues(); ++value)
+  {
+    nodes.push_back(loss->GetComponent(value / 3, static_cast<int>(value % 3)));
+  }
+  if (this->Model->IsCarried())
+  {
+    nodes = this->Model->AnatomyPoints().Gather(nodes, this->Simulation().NumberOfNodes());
+  }
+  // The first nodes are the mesh's points.
+  nodes.resize(this->State->Positions.size(), 0.0);
+  return this->Simulation().Backward(*this->State, nodes,
+    this->Closed->first.PlateVelocitiesAt(this->Closed->second));
+}
+
 vtkStandardNewMacro(vtkBreastCompression);
 
 vtkBreastCompression::vtkBreastCompression()
@@ -386,12 +427,39 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   pose.AnteriorMm = this->AnteriorMm;
   pose.VerticalMm = this->VerticalMm;
   pose.TiltDeg = this->TiltDeg;
+  internal.Closed.reset();
   internal.CompressTo(placement, pose, this->ForceN, time, ProgressOf(this));
   const bool given = time == 1 && !(this->ForceN > 0);
   output->ShallowCopy(
     internal.Compressed(input, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
   pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
   AddPlacement(output, placement.At(pose));
+  if (time == 1)
+  {
+    internal.Closed.emplace(placement, pose);
+  }
+}
+
+bool vtkBreastCompression::Backward(vtkDataArray* loss, vtkFieldData* gradient)
+{
+  try
+  {
+    Internals& internal = *this->Internal;
+    const CompressionSimulation::LossGradient found = internal.Backward(loss);
+    gradient->Initialize();
+    if (!internal.Model->IsCarried())
+    {
+      AddDoubles(gradient, "Stiffness", found.Cells);
+    }
+    AddDoubles(gradient, "Materials", found.Materials);
+    AddDoubles(gradient, "Pose", found.Plates);
+    return true;
+  }
+  catch (const std::exception& error)
+  {
+    vtkErrorMacro(<< TextOf(error));
+    return false;
+  }
 }
 
 void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)

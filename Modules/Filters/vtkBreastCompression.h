@@ -38,6 +38,9 @@
 #include "vtkUnstructuredGridAlgorithm.h"
 #include <string> // file name and axes
 
+class vtkDataArray;
+class vtkFieldData;
+
 class MAMMORAYFILTERS_EXPORT vtkBreastCompression : public vtkUnstructuredGridAlgorithm
 {
 public:
@@ -229,6 +232,19 @@ public:
   vtkGetMacro(AcceptUnusual, bool);
   vtkBooleanMacro(AcceptUnusual, bool);
   ///@}
+
+  /**
+   * The gradient of a number, the loss, whose derivatives with respect to the points of the output
+   * are `loss` (3 components, 1/mm), in reverse mode: one back-substitution at the state of the
+   * last update. Sets arrays of `gradient`: "Stiffness", with respect to a relative change of the
+   * Young's modulus of each cell of the input (not where a coarse mesh carries it); "Materials",
+   * the same of all cells of a material, from material 0; "Pose", with respect to thickness, roll,
+   * pitch, yaw, lateral, anterior, vertical and tilt, which move the plates, per mm or degree. The
+   * plates stay where they are, also where a force has found them. False, after ErrorEvent: no
+   * update with closed plates before, a loss of another size, or an image under gravity
+   * (ImagePosition).
+   */
+  bool Backward(vtkDataArray* loss, vtkFieldData* gradient);
 
 protected:
   vtkBreastCompression();

@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 namespace
@@ -69,6 +71,26 @@ TEST_P(ElementEmbedding, ExtendsLinearFieldsOutside)
   {
     EXPECT_NEAR(mapped[n], points[n], 1e-9);
   }
+}
+
+TEST_P(ElementEmbedding, GatheringIsTheTransposeOfMapping)
+{
+  CompressionSimulation simulation = MakeSimulation(GetParam());
+  std::mt19937 generator(8);
+  std::uniform_real_distribution<double> number(-20, 20);
+  const auto random = [&](std::size_t count)
+  {
+    std::vector<double> values(count);
+    std::generate(values.begin(), values.end(), [&] { return number(generator); });
+    return values;
+  };
+  const Embedding embedding(simulation, random(60));
+  const std::vector<double> nodes = random(3 * simulation.NumberOfNodes());
+  const std::vector<double> points = random(60);
+  const std::vector<double> mapped = embedding.Map(nodes);
+  const std::vector<double> gathered = embedding.Gather(points, simulation.NumberOfNodes());
+  EXPECT_NEAR(std::inner_product(mapped.begin(), mapped.end(), points.begin(), 0.0),
+    std::inner_product(nodes.begin(), nodes.end(), gathered.begin(), 0.0), 1e-8);
 }
 
 TEST(Embedding, RefusesWhatIsNoPoint)

@@ -11,11 +11,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace
 {
 using namespace mammoray;
 using test::Difference;
+using test::DotOf;
 using test::MakeBreast;
 using test::MakePlates;
 using test::NormOf;
@@ -115,6 +117,85 @@ TEST_P(ElementSensitivities, ToMaterialsMatchCentralDifferences)
   }
   simulation.SetMaterials(materials);
   EXPECT_THROW(simulation.Sensitivities(state, {}, { { {}, {} } }), InputError);
+}
+
+TEST_P(ElementSensitivities, BackwardIsTheirTransposeAndMatchesCentralDifferences)
+{
+  TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
+  std::vector<ElasticMaterial> materials{ {}, { 6, 0.48, 1 }, { 5, 0.49 } };
+  std::vector<bool> fixed{ false, false, true };
+  // Some cells have a material of their own.
+  std::vector<std::size_t> cells;
+  for (std::size_t cell = 3; cell < mesh.NumberOfCells(); cell += 11)
+  {
+    if (mesh.Materials[cell] == 1)
+    {
+      mesh.Materials[cell] = static_cast<std::int32_t>(materials.size());
+      materials.push_back({ 12, 0.48, 1 });
+      fixed.push_back(false);
+      cells.push_back(cell);
+    }
+  }
+  ASSERT_GT(cells.size(), 3u);
+  for (const ChestWallMode mode : { ChestWallMode::Fixed, ChestWallMode::Sliding })
+  {
+    CompressionOptions options = WithElement(GetParam(), 1e-10);
+    options.ChestWall = mode;
+    CompressionSimulation simulation(mesh, materials, fixed, {}, options);
+    const PlatePair plates = MakePlates(64);
+    const CompressionState state = simulation.Compress(plates);
+    std::mt19937 generator(5);
+    std::normal_distribution<double> number;
+    std::vector<double> loss(state.Positions.size());
+    std::generate(loss.begin(), loss.end(), [&] { return number(generator); });
+    std::vector<PlatePairVelocity> motions(2);
+    motions[0].Paddle.Linear = plates.Support.Normal;
+    motions[1].Support.Linear = motions[1].Paddle.Linear = { 0, 1, 0 };
+    const auto gradient = simulation.Backward(state, loss, motions);
+
+    std::vector<MaterialDerivative> stiffer(materials.size(), MaterialDerivative(materials.size()));
+    for (std::size_t m = 0; m < materials.size(); ++m)
+    {
+      stiffer[m][m].YoungsModulusKPa = materials[m].YoungsModulusKPa;
+    }
+    const VectorFields forward = simulation.Sensitivities(state, motions, stiffer);
+    const auto expect = [&](double found, std::size_t field, const char* what)
+    {
+      // Both solve to 1e-9 of their forces.
+      EXPECT_NEAR(found, DotOf(forward[field], loss), 1e-6 * NormOf(forward[field]) * NormOf(loss))
+        << what << " " << field;
+    };
+    expect(gradient.Plates[0], 0, "plates");
+    expect(gradient.Plates[1], 1, "plates");
+    std::vector<double> sums(materials.size(), 0.0);
+    for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+    {
+      sums[mesh.Materials[cell]] += gradient.Cells[cell];
+    }
+    const double largest = std::abs(gradient.Materials[1]);
+    for (std::size_t m = 1; m < materials.size(); ++m)
+    {
+      expect(gradient.Materials[m], 2 + m, "material");
+      EXPECT_NEAR(sums[m], gradient.Materials[m], 1e-9 * largest) << m;
+    }
+    EXPECT_EQ(sums[2], 0) << "fixed";
+    for (const std::size_t cell : { cells[0], cells[cells.size() / 2], cells.back() })
+    {
+      double sides[2];
+      for (int side = 0; side < 2; ++side)
+      {
+        std::vector<ElasticMaterial> moved = materials;
+        moved[mesh.Materials[cell]].YoungsModulusKPa *= side ? 1 + 1e-4 : 1 - 1e-4;
+        simulation.SetMaterials(moved);
+        sides[side] = DotOf(simulation.Compress(plates, &state).Positions, loss);
+      }
+      simulation.SetMaterials(materials);
+      EXPECT_NEAR((sides[1] - sides[0]) / 2e-4, gradient.Cells[cell],
+        1e-4 * std::abs(gradient.Cells[cell]) + 1e-6 * largest)
+        << cell;
+    }
+    EXPECT_THROW(simulation.Backward(state, { 1.0 }), InputError);
+  }
 }
 
 TEST_P(ElementSensitivities, RateOfTheForceMatchesCentralDifferences)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A breast between the plates: thickness, force, chest wall, elements."""
+import dataclasses
 import sys
 import tempfile
 
@@ -55,5 +56,49 @@ assert numpy.allclose(fine.points + carried.displacement, carried.points)
 # Held tissue stays; what is carried keeps its volume within some percent in the middle.
 assert abs(carried.displacement[fine.points[:, 1] < 2]).max() < 0.5
 assert abs(numpy.median(carried.volume_ratio) - 1) < 0.05
+
+# The gradient of a loss of the compressed points against central differences: of the stiffness of regions, and of the thickness; with
+# the tissue simulated itself, and carried by a coarse mesh.
+soft = {**materials, 1: mammoray.Material(youngs_modulus=6, poisson_ratio=0.45),
+        3: mammoray.Material(youngs_modulus=20, poisson_ratio=0.45)}
+coarse = mammoray.mesh(labels, (2, 2, 2), origin=origin, materials=soft, cell_size=11)
+shown = mammoray.mesh(labels, (2, 2, 2), origin=origin, materials=soft, cell_size=6)
+random = numpy.random.default_rng(4)
+for breast, keywords in ((coarse, {}), (shown, {"simulation_mesh": coarse})):
+    loss = numpy.sin(breast.points @ random.normal(size=(3, 3)) / 15)  # smooth, as a picture's is
+
+    def press(thickness=52.0, **changed):
+        table = {region: dataclasses.replace(material, youngs_modulus=material.youngs_modulus * changed.get(f"region{region}", 1.0))
+                 for region, material in soft.items()}
+        return mammoray.compress(breast.points, breast.cells, breast.regions, materials=table, orientation="LAS", thickness=thickness,
+                                 element="linear", **keywords)
+    squeezed = press()
+    gradient = squeezed.backward(loss)
+    assert sorted(gradient.materials) == [1, 2, 3] and list(gradient.pose)[:2] == ["thickness", "roll"]
+    largest = max(map(abs, gradient.materials.values()))
+    for region in (1, 3):
+        difference = ((press(**{f"region{region}": 1.02}).points - press(**{f"region{region}": 0.98}).points) * loss).sum() / 0.04
+        # Of a second order in 2 %; equilibria to 1e-8 of their forces.
+        assert abs(difference - gradient.materials[region]) < 0.01 * largest, (region, difference, gradient.materials)
+    difference = ((press(52.05).points - press(51.95).points) * loss).sum() / 0.1
+    assert abs(difference - gradient.pose["thickness"]) < 0.02 * abs(difference), (difference, gradient.pose)
+    if keywords:
+        assert gradient.stiffness is None
+    else:
+        assert gradient.stiffness.shape == (len(breast.cells),) and not gradient.stiffness[breast.regions == 2].any()
+        for region in (1, 3):
+            total = gradient.stiffness[breast.regions == region].sum()
+            assert abs(total - gradient.materials[region]) < 1e-6 * largest, (region, total)
+for message, refuse in (
+        ("points: expected", lambda: squeezed.backward([[1, 2, 3]])),
+        ("expected a mesh free of load", lambda: mammoray.compress(
+            coarse.points, coarse.cells, coarse.regions, materials={region: dataclasses.replace(each, density=1.0)
+                                                                    for region, each in soft.items()},
+            orientation="LAS", thickness=52, element="linear", image_position="prone").backward(0 * coarse.points))):
+    try:
+        refuse()
+        raise AssertionError(f"not refused: {message}")
+    except mammoray.Error as error:
+        assert message in str(error), error
 print(f"{force:.2f} N at 50 mm, {carried.force:.2f} N of the fine mesh")
 sys.exit(0)

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace mammoray
 {
@@ -130,6 +131,19 @@ void CompressionSimulation::Internals::DrawAlong(std::span<double> values) const
     for (int axis = 0; axis < 3; ++axis)
     {
       values[3 * middle + axis] = 0.5 * (values[3 * a + axis] + values[3 * b + axis]);
+    }
+  }
+}
+
+void CompressionSimulation::Internals::GatherDrawn(std::span<double> loss) const
+{
+  for (const auto& [middle, a, b] : this->Followers)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double half = 0.5 * std::exchange(loss[3 * middle + axis], 0.0);
+      loss[3 * a + axis] += half;
+      loss[3 * b + axis] += half;
     }
   }
 }

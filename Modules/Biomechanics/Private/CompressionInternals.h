@@ -67,6 +67,8 @@ struct CompressionSimulation::Internals
   /// Places these nodes midway between the ends of their sides, in positions or velocities (3 x
   /// nodeCount).
   void DrawAlong(std::span<double> values) const;
+  /// The transpose of DrawAlong: a loss's derivatives at these nodes go to the ends of their sides.
+  void GatherDrawn(std::span<double> loss) const;
   /// Dead loads of every node, 3 x nodeCount, kPa mm^2; empty if there are none.
   std::vector<double> Loads(const Vector3& gravityMPerS2, const Vector3& pullN) const;
   /// Moves `x` from the equilibrium under the loads `from` to the one under `to`, without plates

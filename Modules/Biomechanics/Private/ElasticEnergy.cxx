@@ -269,9 +269,10 @@ void DeformCell(const ElasticBody& body, std::size_t cell, const std::vector<dou
   }
 }
 
-template <typename Cell>
+/// `rateIn(cell, material)` is the derivative of a material's constants in a cell.
+template <typename Cell, typename RateIn>
 std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
-  const std::vector<double>& x, const MaterialDerivative& velocity)
+  const std::vector<double>& x, const RateIn& rateIn)
 {
   // Derivatives of mu and mu b at each quadrature point, and of the element's mu and kappa.
   double muRate[Cell::MostPointsPerElement] = {};
@@ -287,7 +288,7 @@ std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
     for (const ElasticBody::Part& part : body.PartsOf(cell))
     {
       const ElasticMaterial& material = body.Materials()[part.Material];
-      const ElasticMaterialDerivative& rate = velocity[part.Material];
+      const ElasticMaterialDerivative rate = rateIn(cell, part.Material);
       const double relative = rate.YoungsModulusKPa / material.YoungsModulusKPa;
       const double mu = material.ShearModulusKPa();
       const double ownRate = mu * (relative - rate.PoissonRatio / (1 + material.PoissonRatio));
@@ -583,9 +584,24 @@ bool ElasticEnergy::Add(std::size_t element, const std::vector<double>& x, Energ
 std::vector<double> ElasticEnergy::GradientDerivative(std::size_t element,
   const std::vector<double>& x, const MaterialDerivative& velocity) const
 {
+  const auto rateIn = [&](std::int32_t, int material) { return velocity[material]; };
   return this->Body.Type() == ElementType::Quadratic
-    ? RateOf<QuadraticCell>(this->Body, element, x, velocity)
-    : RateOf<LinearCell>(this->Body, element, x, velocity);
+    ? RateOf<QuadraticCell>(this->Body, element, x, rateIn)
+    : RateOf<LinearCell>(this->Body, element, x, rateIn);
+}
+
+std::vector<double> ElasticEnergy::StiffnessDerivative(std::size_t cell, std::size_t element,
+  const std::vector<double>& x) const
+{
+  const auto rateIn = [&](std::int32_t other, int material)
+  {
+    const bool same = static_cast<std::size_t>(other) == cell;
+    return ElasticMaterialDerivative{ same ? this->Body.Materials()[material].YoungsModulusKPa
+                                           : 0.0 };
+  };
+  return this->Body.Type() == ElementType::Quadratic
+    ? RateOf<QuadraticCell>(this->Body, element, x, rateIn)
+    : RateOf<LinearCell>(this->Body, element, x, rateIn);
 }
 
 CellMeasures ElasticEnergy::MeasuresOf(std::size_t cell, const std::vector<double>& x) const

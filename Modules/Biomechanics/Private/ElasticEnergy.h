@@ -67,6 +67,9 @@ public:
   /// without inverted quadrature points.
   std::vector<double> GradientDerivative(std::size_t element, const std::vector<double>& x,
     const MaterialDerivative& velocity) const;
+  /// The same with respect to a relative change of the stiffness of one cell of the element.
+  std::vector<double> StiffnessDerivative(std::size_t cell, std::size_t element,
+    const std::vector<double>& x) const;
   /**
    * Adds the derivative of an element's gradient with respect to the undeformed corners of its
    * cells, at fixed `x`. Mid-side nodes follow the corners. `matrix` holds (3 n)^2 numbers by

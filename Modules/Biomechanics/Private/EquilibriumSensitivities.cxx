@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <numeric>
 #include <string>
 
 namespace mammoray
@@ -172,6 +173,32 @@ std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::v
   return columns;
 }
 
+std::vector<double> StiffnessProducts(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<double>& vector)
+{
+  const MovingPart& part = energy.Part();
+  const ElasticBody& body = part.Body();
+  std::vector<double> products(body.NumberOfCells(), 0.0);
+  ParallelFor(part.Elements().size(),
+    [&](std::size_t moving)
+    {
+      const std::int32_t element = part.Elements()[moving];
+      const std::span<const std::int32_t> nodes = body.NodesOf(element);
+      for (const std::int32_t cell : body.CellsOf(element))
+      {
+        const std::vector<double> rate = energy.Elastic().StiffnessDerivative(cell, element, x);
+        double product = 0;
+        for (std::size_t c = 0; c < rate.size(); ++c)
+        {
+          const std::int32_t unknown = part.Unknowns()[3 * nodes[c / 3] + c % 3];
+          product -= unknown < 0 ? 0.0 : rate[c] * vector[unknown];
+        }
+        products[cell] = product;
+      }
+    });
+  return products;
+}
+
 std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<PlatePairVelocity>& velocities)
 {
@@ -197,11 +224,6 @@ VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, cons
   {
     return {};
   }
-  const Evaluation& current = this->Newton.EvaluateAt(x);
-  if (!current.Valid)
-  {
-    throw ConvergenceError("sensitivities: expected no inverted cell, found one");
-  }
   std::vector<double> right;
   for (const std::vector<double>& columns :
     { PlateForces(energy, x, velocities.Plates), MaterialForces(energy, x, velocities.Materials),
@@ -212,6 +234,61 @@ VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, cons
   const std::vector<double> rest = RestForces(energy, x, velocities.Rest);
   std::transform(rest.begin(), rest.end(), right.end() - static_cast<std::ptrdiff_t>(rest.size()),
     right.end() - static_cast<std::ptrdiff_t>(rest.size()), std::plus<>());
+  const std::vector<double> solution = this->SolveAt(x, right, count);
+  const std::vector<std::int32_t>& coordinates = energy.Coordinates();
+  const std::size_t n = coordinates.size();
+  VectorFields result(count, x.size());
+  for (std::size_t p = 0; p < count; ++p)
+  {
+    for (std::size_t u = 0; u < n; ++u)
+    {
+      result[p][coordinates[u]] = solution[n * p + u];
+    }
+  }
+  return result;
+}
+
+EquilibriumGradient EquilibriumSolver::Backward(const std::vector<double>& x,
+  const PlatePair& plates, const std::vector<double>& loss,
+  const std::vector<PlatePairVelocity>& motions)
+{
+  this->Objective.SetPlates(&plates);
+  const EquilibriumEnergy& energy = this->Objective;
+  std::vector<double> right;
+  for (const std::int32_t coordinate : energy.Coordinates())
+  {
+    right.push_back(loss[coordinate]);
+  }
+  // The stiffness matrix is symmetric.
+  const std::vector<double> adjoint = this->SolveAt(x, right, 1);
+  const auto products = [&](const std::vector<double>& columns)
+  {
+    std::vector<double> values;
+    for (auto column = columns.begin(); column != columns.end();
+         column += static_cast<std::ptrdiff_t>(adjoint.size()))
+    {
+      values.push_back(std::inner_product(adjoint.begin(), adjoint.end(), column, 0.0));
+    }
+    return values;
+  };
+  const std::vector<ElasticMaterial>& table = energy.Part().Body().Materials();
+  std::vector<MaterialDerivative> stiffer(table.size(), MaterialDerivative(table.size()));
+  for (std::size_t material = 0; material < table.size(); ++material)
+  {
+    stiffer[material][material].YoungsModulusKPa = table[material].YoungsModulusKPa;
+  }
+  return { StiffnessProducts(energy, x, adjoint), products(MaterialForces(energy, x, stiffer)),
+    products(PlateForces(energy, x, motions)) };
+}
+
+std::vector<double> EquilibriumSolver::SolveAt(const std::vector<double>& x,
+  const std::vector<double>& right, std::size_t count)
+{
+  const Evaluation& current = this->Newton.EvaluateAt(x);
+  if (!current.Valid)
+  {
+    throw ConvergenceError("sensitivities: expected no inverted cell, found one");
+  }
   // The last factor belongs to positions very close to these. Refinement would diverge with a
   // factor of another state, which is therefore not tried.
   FactorCache& factor = this->Newton.Factor();
@@ -230,19 +307,8 @@ VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, cons
                              "found a stiffness matrix that is too ill-conditioned for it");
     }
   }
-  const std::vector<std::int32_t>& coordinates = energy.Coordinates();
-  const std::size_t n = coordinates.size();
-  VectorFields result(count, x.size());
-  for (std::size_t p = 0; p < count; ++p)
-  {
-    for (std::size_t u = 0; u < n; ++u)
-    {
-      result[p][coordinates[u]] = solution[n * p + u];
-    }
-  }
-  return result;
+  return solution;
 }
-
 double EquilibriumSolver::PaddleForceDerivative(const std::vector<double>& x,
   const PlatePair& plates, const PlatePairVelocity& velocity,
   const std::vector<double>& nodeVelocities)

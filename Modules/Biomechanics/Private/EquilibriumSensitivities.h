@@ -29,6 +29,16 @@ struct StressFreeVelocity
   std::vector<double> Loads;
 };
 
+/// Derivatives of a number, the loss, with respect to what an equilibrium depends on.
+struct EquilibriumGradient
+{
+  /// With respect to a relative change of the stiffness of each cell, and of each material.
+  std::vector<double> Cells;
+  std::vector<double> Materials;
+  /// With respect to parameters that move the plates, per unit of them.
+  std::vector<double> Plates;
+};
+
 /// Derivatives that define the parameters of an equilibrium: first those that move the plates, then
 /// those that change the materials, then those that change attachment and loads.
 struct EquilibriumDerivatives
@@ -40,6 +50,11 @@ struct EquilibriumDerivatives
   /// it is fixed.
   std::vector<StressFreeVelocity> Rest;
 };
+
+/// The scalar products of - d gradient / dp with a vector at the unknowns, where p is a relative
+/// change of the stiffness of a cell; one per cell of the body, 0 for cells that cannot move.
+std::vector<double> StiffnessProducts(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<double>& vector);
 
 /// - d gradient / dp at the unknowns, one column per parameter, for parameters of the materials, of
 ///   attachment and loads, and of the plates.

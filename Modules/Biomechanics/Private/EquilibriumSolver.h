@@ -67,6 +67,11 @@ public:
   /// ConvergenceError if the stiffness matrix is not positive definite.
   VectorFields Sensitivities(const std::vector<double>& x, const PlatePair& plates,
     const EquilibriumDerivatives& velocities);
+  /// The gradient of a loss whose derivatives with respect to the nodes at the equilibrium `x` are
+  /// `loss` (3 x nodeCount), by one back-substitution. The undeformed shape is taken for constant.
+  /// Otherwise as Sensitivities.
+  EquilibriumGradient Backward(const std::vector<double>& x, const PlatePair& plates,
+    const std::vector<double>& loss, const std::vector<PlatePairVelocity>& motions);
   /// Derivative of the paddle's force, N per unit of a parameter that moves the plates by
   /// `velocity` and the nodes by `nodeVelocities` (from Sensitivities).
   double PaddleForceDerivative(const std::vector<double>& x, const PlatePair& plates,
@@ -81,6 +86,9 @@ public:
   double PeakFactorBytes() const { return this->Newton.Factor().PeakBytes(); }
 
 private:
+  /// Solves with the stiffness matrix at `x` for `count` columns of unknowns.
+  std::vector<double> SolveAt(const std::vector<double>& x, const std::vector<double>& right,
+    std::size_t count);
   EquilibriumReport Report(const Evaluation& evaluation) const;
 
   EquilibriumEnergy Objective;

@@ -64,13 +64,14 @@ from ._scene import (  # noqa: E402
     Scene, Series, Source, devices, dual_energy, load_scene, material_table, tomosynthesis, turn)
 
 if TYPE_CHECKING:
-    from ._breast import Compression, LabelVolume, Mammogram, Registration, compress, mesh, register
+    from ._breast import Compression, CompressionGradient, LabelVolume, Mammogram, Registration, compress, mesh, register
     from ._filters import (vtkBreastCompression, vtkBreastMesher, vtkBreastRegistration, vtkMammogramReader,
                            vtkXRayProjector)
 
 # Names that need VTK, which is loaded at their first use.
 _WITH_VTK = {
-    **dict.fromkeys(("Compression", "LabelVolume", "Mammogram", "Registration", "compress", "mesh", "register"), "_breast"),
+    **dict.fromkeys(("Compression", "CompressionGradient", "LabelVolume", "Mammogram", "Registration", "compress", "mesh", "register"),
+                    "_breast"),
     **dict.fromkeys(("vtkBreastCompression", "vtkBreastMesher", "vtkBreastRegistration", "vtkMammogramReader",
                      "vtkXRayProjector"), "_filters")}
 

@@ -14,7 +14,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkIntArray, vtkPoints, vtkStringArray
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkFieldData, vtkImageData, vtkUnstructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
 
 from . import _filters, _xray
@@ -25,6 +25,7 @@ from ._values import array_of, made_from, three, whole, whole_array_of
 
 Progress = Callable[[float], Any]
 _TETRAHEDRON = 10
+_POSE = ("thickness", "roll", "pitch", "yaw", "lateral", "anterior", "vertical", "tilt")
 
 
 MeshArrays = Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike]]
@@ -46,6 +47,19 @@ class LabelVolume:
 
 
 @dataclasses.dataclass(frozen=True)
+class CompressionGradient:
+    """Derivatives of a loss.
+
+    stiffness: m, of a relative change of the Young's modulus of each tetrahedron; none where a coarse mesh carries these
+    materials: the same by region, of all its tetrahedra
+    pose: thickness, roll, ... by name, with respect to the plates' motion, per mm or degree; source and detector stay
+    """
+    stiffness: Optional[NDArray[numpy.float64]]
+    materials: dict[int, float]
+    pose: dict[str, float]
+
+
+@dataclasses.dataclass(frozen=True)
 class Compression:
     """A breast between the plates.
 
@@ -64,6 +78,19 @@ class Compression:
     thickness: float
     force: float
     placement: Placement
+    _filter: Any = dataclasses.field(default=None, repr=False, compare=False)
+
+    def backward(self, points: ArrayLike) -> CompressionGradient:
+        """The gradient of a number, the loss, in reverse mode: given its derivatives with respect to `points` (n x 3, 1/mm), as
+        Gradient.points of a picture has them, those with respect to what the equilibrium depends on, by one back-substitution, however
+        many tetrahedra there are. The plates stay, also where a force has found them. Not with image_position, where the shape without
+        load depends on the stiffness, too."""
+        loss = numpy_to_vtk(array_of(points, "points", (len(self.points), 3)), deep=True)
+        found = vtkFieldData()
+        self._filter.Backward(loss, found)
+        cells, materials, pose = (_values(found, name) for name in ("Stiffness", "Materials", "Pose"))
+        return CompressionGradient(cells, {region: float(value) for region, value in enumerate(materials) if region > 0},
+                                   dict(zip(_POSE, pose.tolist())))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -316,7 +343,7 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
     return Compression(
         _points(grid), _values(grid.GetPointData(), "Displacement"), _values(grid.GetPointData(), "ContactPressureKPa"),
         _values(grid.GetCellData(), "J"), _values(grid.GetCellData(), "VonMisesStressKPa"), float(_field(grid, "ThicknessMm")[0]),
-        float(_field(grid, "PaddleForceN")[0]), _placement(grid))
+        float(_field(grid, "PaddleForceN")[0]), _placement(grid), compression)
 
 
 def weighed_density(material: Material, region: int) -> float:

@@ -151,6 +151,10 @@ class vtkBreastCompression(_Algorithm, _wrapped.vtkBreastCompression):
         """Works as the wrapped one; raises Error."""
         _raising(super().SetMaterial, self, *arguments)
 
+    def Backward(self, *arguments: Any) -> Any:
+        """As the wrapped one; raises Error."""
+        return _raising(super().Backward, self, *arguments)
+
 
 class vtkXRayProjector(_Algorithm, _wrapped.vtkXRayProjector):
     __doc__ = _wrapped.vtkXRayProjector.__doc__
