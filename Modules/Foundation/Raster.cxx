@@ -239,7 +239,7 @@ std::vector<float> DistanceToSet(const RasterShape& shape, const Vector3& spacin
   constexpr float far = std::numeric_limits<float>::infinity();
   std::vector<float> squares(set.size());
   std::transform(set.begin(), set.end(), squares.begin(),
-    [far](unsigned char in) { return in ? 0.0f : far; });
+    [](unsigned char in) { return in ? 0.0f : far; });
   for (int axis = 0; axis < shape.Dimensions; ++axis)
   {
     const std::size_t stride = shape.Stride(axis);

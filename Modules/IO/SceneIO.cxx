@@ -100,7 +100,10 @@ Json PlainValue(const SceneQuantity& quantity, const Json& value, const SceneVal
     case Kind::Flag:
       return value.is_boolean() ? value : Json();
     case Kind::Word:
-      return std::find(quantity.Words.begin(), quantity.Words.end(), value) != quantity.Words.end()
+      // nlohmann/json 3.11.3 compares no JSON with a string in C++20.
+      return value.is_string() &&
+          std::find(quantity.Words.begin(), quantity.Words.end(), value.get<std::string>()) !=
+            quantity.Words.end()
         ? value
         : Json();
     case Kind::Sample:
