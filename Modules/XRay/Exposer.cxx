@@ -70,6 +70,27 @@ void RefuseIrreversible(const Scene& scene)
   }
 }
 
+/// Derivatives of a picture in forward mode are those of one ray to each pixel.
+void RefuseSeveralRays(const Scene& scene)
+{
+  const ExposureOptions& detection = scene.Detection;
+  const bool hasSpot = detection.FocalSpotSamples > 1 &&
+    (detection.FocalSpotColumnMm > 0 || detection.FocalSpotRowMm > 0);
+  const char* const found = scene.Refraction                                 ? "refraction"
+    : scene.Scatter.Method != SceneScatter::Model::None || detection.Scatter ? "scatter"
+    : detection.PhotonsPerPixel > 0                                          ? "detector.photons"
+    : detection.HalfModulationPerMm > 0 ? "detector.half-modulation"
+    : hasSpot                           ? "source.focal-spot"
+    : scene.Detector.Samples > 1        ? "detector.samples"
+                                        : nullptr;
+  if (found)
+  {
+    throw InputError(std::string("derivatives: expected a point-like or parallel source without "
+                                 "noise, blur, averaged samples, scatter and refraction, found ") +
+      found);
+  }
+}
+
 void RequireSize(const std::string& what, const std::vector<float>& values, std::size_t count)
 {
   if (!values.empty() && values.size() != count)
@@ -434,6 +455,7 @@ Exposure Exposer::ExposeAir(const Scene& scene)
 
 Exposer::Derivatives Exposer::Differentiate(const Scene& scene, const VectorFields& velocities)
 {
+  RefuseSeveralRays(scene);
   Internals& internal = *this->Internal;
   internal.Load(scene);
   const Beam beam = MakeBeam(scene, internal.Materials);

@@ -316,6 +316,27 @@ TEST(ExposerGradientParts, OpenFieldAndBlurActOnLosses)
     testing::Pointwise(testing::DoubleNear(1e-6 * largest), plain.Points));
 }
 
+TEST(ExposerGradientParts, ForwardDerivativesRefuseSeveralRaysAPixel)
+{
+  const auto refusalOf = [](const std::function<void(Scene&)>& change)
+  {
+    Scene scene = BallInBlock(false);
+    change(scene);
+    return RefusalOf([&] { Exposer().Differentiate(scene, VectorFields(1, 3)); });
+  };
+  const std::pair<const char*, std::function<void(Scene&)>> changes[] = {
+    { "refraction", [](Scene& scene) { scene.Refraction = RefractionOptions::Law::Geometric; } },
+    { "detector.photons", [](Scene& scene) { scene.Detection.PhotonsPerPixel = 100; } },
+    { "detector.half-modulation", [](Scene& scene) { scene.Detection.HalfModulationPerMm = 2; } },
+    { "source.focal-spot", [](Scene& scene) { scene.Detection.FocalSpotRowMm = 1; } },
+    { "detector.samples", [](Scene& scene) { scene.Detector.Samples = 2; } }
+  };
+  for (const auto& [field, change] : changes)
+  {
+    EXPECT_THAT(refusalOf(change), testing::EndsWith(std::string("found ") + field));
+  }
+}
+
 TEST(ExposerGradientParts, RefusesWhatHasNoGradient)
 {
   Scene scene = BallInBlock(false);
@@ -323,9 +344,13 @@ TEST(ExposerGradientParts, RefusesWhatHasNoGradient)
   scene.Detection.PhotonsPerPixel = 1000;
   EXPECT_THAT(RefusalOf([&] { Exposer().Backward(scene, loss); }),
     testing::HasSubstr("errors of pixels, scatter and refraction, found noise"));
+  scene.Detection = {};
+  scene.Refraction = RefractionOptions::Law::Geometric;
+  EXPECT_THAT(RefusalOf([&] { Exposer().Backward(scene, loss); }),
+    testing::EndsWith("found refraction"));
+  scene.Refraction.reset();
   if (!ListDevices().empty())
   {
-    scene.Detection = {};
     EXPECT_THAT(RefusalOf(
                   [&] {
                     Exposer().Backward(scene, { { 1.0F }, {} });

@@ -692,7 +692,8 @@ class Exposure:
 
     def derivatives(self, velocities: Union[ArrayLike, Sequence[ArrayLike]]) -> Derivatives:
         """Exact derivatives with parameters that move points: `velocities` is parameters x n x 3, mm per unit of the parameter, in the
-        frame of the mesh; a list of these for several samples. Of a point-like or parallel source, without noise, blur and scatter."""
+        frame of the mesh; a list of these for several samples. Of a point-like or parallel source, without noise, blur, averaged
+        samples, scatter and refraction."""
         surfaces = self._native.points
         given = [velocities] if len(surfaces) == 1 else list(velocities)  # type: ignore[arg-type]
         if len(given) != len(surfaces):
