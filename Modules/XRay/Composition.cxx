@@ -390,7 +390,8 @@ std::string MixtureText(const std::map<int, double>& massFractions)
       xrlFree);
     text += text.empty() ? "" : " ";
     text += symbol ? symbol.get() : "";
-    text += ":" + NumberText(fraction);
+    text += ':';
+    text += NumberText(fraction);
   }
   return text;
 }
