@@ -32,5 +32,6 @@ setup(
     package_data={"mammoray": ["_xray.pyi", "py.typed"]},
     cmake_source_dir="Wrapping/Python/projector",
     cmake_install_dir="Wrapping/Python",
-    cmake_args=[f"-DPython3_EXECUTABLE={sys.executable}"],
+    # Several sources at once: a third of the time.
+    cmake_args=[f"-DPython3_EXECUTABLE={sys.executable}", "-DCMAKE_UNITY_BUILD=ON"],
 )

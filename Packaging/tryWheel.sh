@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the wheel of the projector alone on each release of Debian, and tries it in a bare one that has a driver, numpy, matplotlib and
-# meshio. Needs root, debootstrap and the network; ten minutes and 3 GB for each.
+# Makes the wheel of the projector alone on each release of Debian, and tries it in a bare one that has a driver, numpy and what the
+# gallery needs beside it. Needs root, debootstrap and the network; ten minutes and 3 GB for each.
 #
 #   Packaging/tryWheel.sh [bookworm] [trixie]      the wheels are left in build/packages-NAME/wheel
 set -euo pipefail
@@ -15,7 +15,7 @@ for release; do
   debootstrap --variant=minbase "$release" "$root" "$(sed -n 's/^deb \([^ ]*\).*/\1/p;q' "build/roots/$release/etc/apt/sources.list")"
   chmod 755 "$root" # mktemp's is closed to the user inside
   mount -t proc proc "$root/proc"
-  inside apt-get install -y -q --no-install-recommends mesa-vulkan-drivers python3-matplotlib python3-meshio python3-venv
+  inside apt-get install -y -q --no-install-recommends mesa-vulkan-drivers python3-matplotlib python3-meshio python3-scipy python3-venv
   inside useradd --create-home --shell /bin/bash user
   cp build/packages-"$release"/wheel/*.whl "$root/home/user"
   git ls-files -z Data/parts Testing/Python docs/gallery | tar --create --null --files-from=- | tar --extract --directory "$root/home/user"

@@ -10,6 +10,7 @@
 - nothing but Validation and the tests includes headers of Validation, which may include everything;
 - every module has a README, and every source of it is listed in CMakeLists.txt;
 - a source that docs/develop/architecture.md names is there;
+- what the sources of IO that the projector alone has include is compiled into it, too;
 - that page names each source that includes a header of POSIX or Linux; what Linux alone has is in one file of each module.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
@@ -174,6 +175,18 @@ def check_portability(root, modules, wrong):
             wrong.append(f"{folder.relative_to(root)}: expected calls of Linux in one file, found {', '.join(of_linux)}")
 
 
+def check_projector(root, wrong):
+    """Its module has undefined names, Python's, so that the linker says nothing of what is left out."""
+    table = root / "Wrapping/Python/projector/CMakeLists.txt"
+    listed = set(re.findall(r"/Modules/IO/([\w/]+)\.cxx", table.read_text())) if table.exists() else set()
+    for name in sorted(listed):
+        for path in [path for path in (root / f"Modules/IO/{name}.cxx", root / f"Modules/IO/{name}.h") if path.exists()]:
+            for header in INCLUDE.findall(path.read_text()):
+                used = header.removeprefix("mammoray/IO/").removesuffix(".h")
+                if used not in listed and (root / f"Modules/IO/{used}.cxx").exists():
+                    wrong.append(f"{table.relative_to(root)}: lacks {used}.cxx, whose header {path.name} includes")
+
+
 def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
@@ -189,6 +202,7 @@ def main():
     check_rooms(root, modules, wrong)
     check_names(root, wrong)
     check_portability(root, modules, wrong)
+    check_projector(root, wrong)
     for line in wrong:
         print(line)
     print(f"{len(modules)} modules, {len(wrong)} breaches")

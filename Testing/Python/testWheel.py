@@ -96,7 +96,7 @@ def main():
         held = [pathlib.PurePath(each).name for each in zipfile.ZipFile(wheel).namelist()]
         assert {"libvulkan.so", "LICENSE", "copyright.projector", "copyright.wheel"} <= set(held), held
 
-        # numpy and matplotlib are the system's.
+        # numpy and what the gallery draws and fits with are the system's.
         subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder / "xray"], check=True)
         python = folder / "xray/bin/python3"
         [packages] = (folder / "xray/lib").glob("python*/site-packages")
