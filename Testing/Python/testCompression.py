@@ -78,7 +78,7 @@ for breast, keywords in ((coarse, {}), (shown, {"simulation_mesh": coarse})):
     largest = max(map(abs, gradient.materials.values()))
     for region in (1, 3):
         difference = ((press(**{f"region{region}": 1.02}).points - press(**{f"region{region}": 0.98}).points) * loss).sum() / 0.04
-        # Of a second order in 2 %; equilibria to 1e-8 of their forces.
+        # Differences err in the second order of 2 %, equilibria by 1e-8 of their forces.
         assert abs(difference - gradient.materials[region]) < 0.01 * largest, (region, difference, gradient.materials)
     difference = ((press(52.05).points - press(51.95).points) * loss).sum() / 0.1
     assert abs(difference - gradient.pose["thickness"]) < 0.02 * abs(difference), (difference, gradient.pose)

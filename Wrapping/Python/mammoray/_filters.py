@@ -152,7 +152,7 @@ class vtkBreastCompression(_Algorithm, _wrapped.vtkBreastCompression):
         _raising(super().SetMaterial, self, *arguments)
 
     def Backward(self, *arguments: Any) -> Any:
-        """As the wrapped one; raises Error."""
+        """Calls the wrapped one, and raises Error."""
         return _raising(super().Backward, self, *arguments)
 
 
