@@ -13,7 +13,7 @@ import tempfile
 import zipfile
 
 # They say in their first line that they need VTK.
-WITH_VTK = ["compression"]
+WITH_VTK = ["compression", "stiffness"]
 PLY = """ply
 format ascii 1.0
 element vertex 4

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How stiff an inclusion is, from X-rays of a breast in two compressions: gradients through pictures and mechanics."""
+"""How stiff an inclusion is, from X-rays of two compressions, by gradients through pictures and mechanics. Needs VTK."""
 import sys
 
 import mammoray as mr
