@@ -22,7 +22,8 @@ constexpr double PerMasAtOneMetre = 6.241509e15 / (4 * std::numbers::pi * 1e6);
 constexpr double LeastKeV = 5;
 constexpr int IntegrationSteps = 160;
 
-/// Thomson-Whiddington constant, keV^2 cm^2 / g, linear between and beyond the published values.
+/// Thomson-Whiddington constant of tungsten by Tucker, Barnes and Chakraborty (1991), keV^2 cm^2 /
+/// g, linear between and beyond the voltages they give.
 double ThomsonWhiddington(double kilovolts)
 {
   constexpr std::array<double, 5> at{ 50, 75, 100, 150, 200 };
@@ -79,7 +80,12 @@ double PhotonCrossSection(double kineticKeV, double photonKeV)
     p0 * bracket * elwert;
 }
 
-/// Electrons of one voltage that slow down in a target of one angle.
+/**
+ * Electrons of one voltage that slow down in a target of one angle. The share that turns back is
+ * U^m C with m = 0.1382 - 0.9211 / sqrt(Z) and C = 0.1904 - 0.2236 ln Z + 0.1292 ln^2 Z - 0.01491
+ * ln^3 Z, 0.4325 for tungsten (Hunger and Kuechler 1979; the same in Ebel, X-Ray Spectrom. 28,
+ * 1999, 255).
+ */
 class SlowingElectrons
 {
 public:
@@ -130,6 +136,8 @@ public:
       const double x = (step + 0.5) / IntegrationSteps;
       escape += 1.5 * (1 - x * x) * std::exp(-mu * range * x * this->Cotangent) / IntegrationSteps;
     }
+    // Photons per electron and exponent, and the parabola of depths, are fits to measured spectra
+    // by Tucker, Barnes and Chakraborty (1991).
     return excess > 0 ? 1.349e-3 * std::pow(excess, 1.648) * share * escape : 0;
   }
 
