@@ -156,7 +156,12 @@ void CloseHoles(double longestMm, RepairMesh& mesh, RepairedSurface& repaired)
     std::vector<RepairMesh::Face_index> patch;
     if (length <= longestMm)
     {
+#if CGAL_VERSION_NR >= CGAL_VERSION_NUMBER(5, 6, 0)
+      PMP::triangulate_hole(mesh, border,
+        CGAL::parameters::face_output_iterator(std::back_inserter(patch)));
+#else
       PMP::triangulate_hole(mesh, border, std::back_inserter(patch));
+#endif
     }
     ++(patch.empty() ? repaired.OpenHoles : repaired.ClosedHoles);
   }

@@ -54,7 +54,7 @@ TEST(PoseParameters, AreFoundByNameWithTheNearestInTheError)
 
 TEST(PoseParameters, BoundsFollowTheStart)
 {
-  const auto expect = [](const char* name, double start, double lower, double upper)
+  const auto expect = [](const std::string& name, double start, double lower, double upper)
   {
     const PoseParameter& parameter = FindPoseParameter(name);
     EXPECT_EQ(parameter.Lower(start), lower) << name;

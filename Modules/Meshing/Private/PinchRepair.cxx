@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -453,7 +454,7 @@ std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
     {
       break;
     }
-    touched.insert(touched.end(), pinched.begin(), pinched.end());
+    std::copy(pinched.begin(), pinched.end(), std::back_inserter(touched));
     pinched = FindPinchedPoints(mesh, std::move(touched), {});
   }
   for (int round = 0; !pinched.empty(); ++round)
