@@ -320,8 +320,8 @@ TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
   EXPECT_NEAR(middle(" --scatter kernels --set scatter.photons=1e5 --set scatter.kernels=scene") -
       primary,
     made, 1e-6 * primary);
-  this->ExpectRefused(this->Inputs + " --scatter kernels --set scatter.kernels=none.csv -o " +
-      this->Image,
+  this->ExpectRefused(this->Inputs +
+      " --scatter kernels --set scatter.kernels=none.csv --overwrite -o " + this->Image,
     "none.csv");
 }
 

@@ -143,7 +143,7 @@ TEST(SceneIO, WholeDetectionScatterAndMaterials)
   const std::pair<const char*, const char*> wrong[] = { { R"({ "dose": 1 })",
                                                           "dose: expected true or false, found 1" },
     { R"({ "scatter": { "method": "magic" } })", "scatter.method: expected one of" },
-    { R"({ "scatter": { "air-gap": 300 } })", "scatter.air-gap: expected a number from 0 mm" },
+    { R"({ "scatter": { "air-gap": 3000 } })", "scatter.air-gap: expected a number from 0 mm" },
     { R"({ "scatter": { "grid": { "ratio": 40 } } })", "scatter.grid.ratio: expected a number" },
     { R"({ "refraction": { "law": "Snell" } })", "refraction.law: expected one of" },
     { R"({ "attenuations": { "fat": 3 } })", "attenuations.fat: expected a text" },
