@@ -192,8 +192,8 @@ TEST_F(BreastPipeline, UpdatesOnlyWhatChanged)
   projector->SetDetectorOrigin(0, -40, -60);
   projector->SetPixelSpacing(2, 2);
   projector->SetDetectorSize(30, 40);
-  projector->SetKey("attenuations.1", "adipose@0.92");
-  projector->SetKey("attenuations.2", "muscle@1.05");
+  projector->SetKey("attenuations.fat", "adipose@0.92");
+  projector->SetKey("attenuations.wall", "muscle@1.05");
   const Watch meshing(mesher);
   const Watch squeezing(compression);
   const Watch tracing(projector);
