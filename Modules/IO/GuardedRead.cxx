@@ -4,6 +4,9 @@
 #include "Private/LinuxCalls.h"
 #include "Private/OwnedDescriptor.h"
 
+// vtkSMPTools.h of VTK 9.1 is no C++20.
+#include "SMP/Common/vtkSMPToolsAPI.h"
+
 #include <poll.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -88,6 +91,8 @@ void SetUpReader(const ReadLimits& limits)
   // Ctrl-C reaches all processes of a terminal; the asking one decides.
   std::signal(SIGINT, SIG_IGN);
   Limit(RLIMIT_CORE, 0);
+  // The threads of VTK's pool, for which it would wait, are the asking process's alone.
+  vtk::detail::smp::vtkSMPToolsAPI::GetInstance().SetBackend("Sequential");
   AddressesAtStart = linuxCalls::AddressesInUse();
   Allowed = limits;
   SetLimits();

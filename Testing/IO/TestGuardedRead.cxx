@@ -4,6 +4,8 @@
 #include "Refusals.h"
 #include "mammoray/IO/GuardedRead.h"
 
+#include "SMP/Common/vtkSMPToolsAPI.h"
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -62,6 +64,16 @@ TEST(GuardedRead, BringsWhatWasRead)
   EXPECT_FALSE(read[1].Absent.has_value());
   EXPECT_EQ(read[1].Size, (std::array<int, 3>{ 4, 5, 6 }));
   EXPECT_TRUE(read[1].Flag);
+}
+
+TEST(GuardedRead, VtkWorksWithoutThreadsInAReader)
+{
+  // With those of the asking process, which a reader does not have, it sometimes never ended.
+  const auto backend = []
+  { return std::string(vtk::detail::smp::vtkSMPToolsAPI::GetInstance().GetBackend()); };
+  const std::string before = backend();
+  EXPECT_EQ(ReadGuarded("a file", "numbers", Small, backend), "Sequential");
+  EXPECT_EQ(backend(), before);
 }
 
 TEST(GuardedRead, ARefusalArrivesAsItWas)
