@@ -97,6 +97,9 @@ struct MAMMORAYIO_EXPORT SceneDescription
   /// Whether source and detector have places; else those of a mammography unit are meant.
   bool HasSource() const;
   bool HasDetector() const;
+  /// The table of materials that Table or Materials gives; empty without both. Throws InputError
+  /// as FindMaterialTable and ParseMaterialTable do.
+  MaterialTable ReadTable() const;
 
   /// Throws InputError where quantities contradict each other.
   void Validate() const;

@@ -115,12 +115,7 @@ int IndexForKey(const std::string& name, const MaterialTable& table, const std::
 
 MaterialTable MaterialsOf(const SceneDescription& description)
 {
-  MaterialTable table = description.Table.value_or(MaterialTable());
-  if (!description.Table && !description.Materials.empty())
-  {
-    table = description.Materials.starts_with('{') ? ParseMaterialTable(description.Materials)
-                                                   : FindMaterialTable(description.Materials);
-  }
+  MaterialTable table = description.ReadTable();
   const auto named = [&table](const std::string& name, const std::string& key) -> Material&
   { return table.Materials[static_cast<std::size_t>(IndexForKey(name, table, key))]; };
   for (const auto& [name, text] : description.Attenuations)
@@ -212,6 +207,16 @@ void CompleteUnit(SceneDescription& scene)
   {
     scene.Fixed.Detection.PhotonsPerPixel = 2e7 * scene.PixelSpacingMm * scene.PixelSpacingMm;
   }
+}
+
+MaterialTable SceneDescription::ReadTable() const
+{
+  if (this->Table || this->Materials.empty())
+  {
+    return this->Table.value_or(MaterialTable());
+  }
+  return this->Materials.starts_with('{') ? ParseMaterialTable(this->Materials)
+                                          : FindMaterialTable(this->Materials);
 }
 
 Scene MakeScene(SceneDescription description)

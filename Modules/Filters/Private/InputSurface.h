@@ -4,10 +4,8 @@
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Meshes.h"
-#include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/SceneIO.h"
-#include "mammoray/IO/ShippedData.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -64,9 +62,7 @@ public:
   /// them, else by index. Throws InputError.
   MaterialTable MaterialsOf(const SceneDescription& scene) const
   {
-    const MaterialTable known = scene.Materials.empty() ? MaterialTable()
-      : scene.Materials.starts_with('{')                ? ParseMaterialTable(scene.Materials)
-                                                        : FindMaterialTable(scene.Materials);
+    const MaterialTable known = scene.ReadTable();
     MaterialTable table;
     table.Name = "input";
     table.Materials.push_back({ .Name = "air" });
