@@ -80,7 +80,7 @@ void RefuseSeveralRays(const Scene& scene)
     : scene.Scatter.Method != SceneScatter::Model::None || detection.Scatter ? "scatter"
     : detection.PhotonsPerPixel > 0                                          ? "detector.photons"
     : detection.HalfModulationPerMm > 0 ? "detector.half-modulation"
-    : detection.HasBlur()               ? "blur"
+    : detection.HasBlur()               ? "detector.line-spread"
     : detection.HasPixelErrors()        ? "errors of pixels"
     : hasSpot                           ? "source.focal-spot"
     : scene.Detector.Samples > 1        ? "detector.samples"
