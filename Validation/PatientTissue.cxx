@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -307,8 +308,9 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
   const int behind = std::max(0, static_cast<int>(std::ceil((curve.At(edge) - last) / step)));
   const LabelVolume wide = Widened(placed, sides, behind);
   std::vector<char> full(static_cast<std::size_t>(wide.Size[0]) * wide.Size[2], 0);
-  // How far the wall of each column comes in front of the curve's, mm.
-  std::vector<double> bumps(full.size(), 0);
+  // How far the wall of each column comes in front of the curve's, mm; 0 without a wall.
+  constexpr double noWall = -std::numeric_limits<double>::infinity();
+  std::vector<double> bumps(full.size(), noWall);
   wide.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
@@ -319,9 +321,10 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
       {
         const Vector3 at = wide.PointAt(i, j, k);
         const double bump = curve.At(at[0]) - wallMm - (at[1] - 0.5 * step);
-        bumps[column] = bumps[column] == 0 ? bump : std::max(bumps[column], bump);
+        bumps[column] = std::max(bumps[column], bump);
       }
     });
+  std::replace(bumps.begin(), bumps.end(), noWall, 0.0);
   const std::vector<int> nearest = NearestFullColumn(full, wide.Size[0]);
   LabelVolume surrounded = wide;
   wide.ForEachVoxel(
