@@ -37,6 +37,12 @@ struct TissueExtent
     }
   }
 
+  Vector3 Point(const Vector3& place) const
+  {
+    return place[0] * this->Directions[0] + place[1] * this->Directions[1] +
+      place[2] * this->Directions[2];
+  }
+
   Vector3 Place(const Vector3& point) const
   {
     return { Dot(point, this->Directions[0]), Dot(point, this->Directions[1]),
@@ -45,13 +51,16 @@ struct TissueExtent
 
   bool IsEmpty() const { return this->Low[0] > this->High[0]; }
 
-  PoseFrame Frame() const
+  Vector3 Middle() const { return 0.5 * (this->Low + this->High); }
+
+  /// `middle`: along these directions; the frame's anchor lies at the front of the fixed tissue
+  /// before it, or at the posterior end without any.
+  PoseFrame Frame(const Vector3& middle) const
   {
     const auto& [left, anterior, superior] = this->Directions;
     const double chestWall = std::isfinite(this->FixedFront) ? this->FixedFront : this->Low[1];
     return { { left, anterior, superior },
-      0.5 * (this->Low[0] + this->High[0]) * left + chestWall * anterior +
-        0.5 * (this->Low[2] + this->High[2]) * superior };
+      middle[0] * left + chestWall * anterior + middle[2] * superior };
   }
 
   static constexpr double Infinity = std::numeric_limits<double>::infinity();
@@ -243,7 +252,7 @@ PoseFrame FindPoseFrame(const LabelVolume& materials, const std::vector<bool>& f
         extent.Add(point, half, isFixed);
       }
     });
-  return extent.Frame();
+  return extent.Frame(extent.Place(all.Point(columns.Middle())));
 }
 
 std::optional<double> MidlineBetweenBreasts(const LabelVolume& materials,
@@ -295,7 +304,7 @@ PoseFrame FindPoseFrame(const TetrahedralMesh& mesh, const std::vector<bool>& fi
       extent.Add(point, { 0, 0, 0 }, isFixed(index / 4));
     }
   }
-  return extent.Frame();
+  return extent.Frame(extent.Place(all.Point(columns.Middle())));
 }
 
 PoseFrame FindPoseFrame(const SurfaceMesh& surface, const std::vector<bool>& fixed,
@@ -310,7 +319,7 @@ PoseFrame FindPoseFrame(const SurfaceMesh& surface, const std::vector<bool>& fix
     extent.Add({ point[0], point[1], point[2] }, { 0, 0, 0 },
       isFixed(surface.FrontMaterials[corner / 3]) || isFixed(surface.BackMaterials[corner / 3]));
   }
-  return extent.Frame();
+  return extent.Frame(extent.Middle());
 }
 
 VolumeFromGantry PlaceUnit(const PoseFrame& frame, const MammographyUnit& unit,

@@ -144,13 +144,14 @@ struct PoseFrame
 
 /**
  * The frame of a breast's poses. The patient is turned as before a mammography unit: her anterior
- * axis is brought by the shortest way square to the chest wall behind the breast, of which the
- * least-squares plane is taken. Then as much of the breast lies in front of the receptor's edge in
- * CC as in MLO. The anchor is, across and along the body, the middle of the breast's bounding box,
- * and along the anterior axis the front of the fixed tissue (chest wall) behind the breast. If no
- * material is fixed, it is the tissue's posterior end, and nothing is turned. The breast is the
- * highest elevation over the body, without belly, armpit and flat tissue (Private/BreastColumns.h).
- * `fixed[m]` is true if material m is fixed to the body; `axes`: the patient's.
+ * axis is brought by the shortest way square to the chest wall behind the breast's core, of which
+ * the least-squares plane is taken. Then as much of the breast lies in front of the receptor's edge
+ * in CC as in MLO. The anchor is, across and along the body, the middle of the core, and along the
+ * anterior axis the front of the fixed tissue (chest wall) behind the breast. If no material is
+ * fixed, it is the tissue's posterior end, and nothing is turned. The breast is the highest
+ * elevation over the body, without belly, armpit and flat tissue, and its core is what rises above
+ * a quarter of its height (Private/BreastColumns.h). `fixed[m]` is true if material m is fixed to
+ * the body; `axes`: the patient's.
  */
 MAMMORAYFOUNDATION_EXPORT PoseFrame FindPoseFrame(const LabelVolume& materials,
   const std::vector<bool>& fixed, const AnatomicalAxes& axes);

@@ -104,7 +104,8 @@ TEST(BreastColumns, WhatIsNoBreastBecomesAir)
   const std::vector<bool> held{ false, false, true };
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("RAS");
   const LabelVolume kept = KeepBreast(body, held, axes);
-  EXPECT_EQ(AnchorOf(kept), AnchorOf(body));
+  // Columns begin at the edge of the tissue that is there, and are 3 mm wide.
+  EXPECT_LE(Norm(AnchorOf(kept) - AnchorOf(body)), 0.5);
   for (std::size_t voxel = 0; voxel < kept.Voxels.size(); ++voxel)
   {
     const auto i = static_cast<int>(voxel % 90);

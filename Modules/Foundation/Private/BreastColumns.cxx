@@ -39,6 +39,8 @@ BreastColumns::BreastColumns(const Vector3& low, const Vector3& high, double pie
   this->Front.assign(count, -Infinity);
   this->Back.assign(count, Infinity);
   this->FixedFront.assign(count, -Infinity);
+  this->Sums.assign(count, { 0, 0, 0 });
+  this->Core.assign(count, 0);
   this->Breast.assign(count, 0);
 }
 
@@ -53,6 +55,7 @@ std::size_t BreastColumns::ColumnOf(const Vector3& place) const
 void BreastColumns::Add(const Vector3& place, bool isFixed)
 {
   const std::size_t column = this->ColumnOf(place);
+  this->Sums[column] = this->Sums[column] + Vector3{ place[0], place[2], 1 };
   this->Front[column] = std::max(this->Front[column], place[1]);
   this->Back[column] = std::min(this->Back[column], place[1]);
   if (isFixed)
@@ -182,6 +185,7 @@ void BreastColumns::Find()
   {
     if (isHill(core) && heights[core] >= CorePart * peak)
     {
+      this->Core[core] = 1;
       const int steps =
         static_cast<int>(std::min<double>(reach, this->CountAcross + this->CountAlong));
       this->VisitNear(core, steps,
@@ -191,20 +195,43 @@ void BreastColumns::Find()
   }
 }
 
+std::vector<Vector3> BreastColumns::CoreColumns() const
+{
+  std::vector<Vector3> columns;
+  for (std::size_t column = 0; column < this->Core.size(); ++column)
+  {
+    if (this->Core[column])
+    {
+      const auto& [across, along, count] = this->Sums[column];
+      columns.push_back({ across / count, this->FixedFront[column], along / count });
+    }
+  }
+  return columns;
+}
+
+Vector3 BreastColumns::Middle() const
+{
+  Vector3 sum{ 0, 0, 0 };
+  double all = 0;
+  double fixed = 0;
+  for (const Vector3& column : this->CoreColumns())
+  {
+    const bool isFixed = std::isfinite(column[1]);
+    sum = sum + Vector3{ column[0], isFixed ? column[1] : 0, column[2] };
+    fixed += isFixed ? 1 : 0;
+    ++all;
+  }
+  return { sum[0] / all, sum[1] / std::max(fixed, 1.0), sum[2] / all };
+}
+
 std::array<double, 2> BreastColumns::WallSlopes() const
 {
-  std::vector<Vector3> walls;
+  std::vector<Vector3> walls = this->CoreColumns();
+  std::erase_if(walls, [](const Vector3& wall) { return !std::isfinite(wall[1]); });
   Vector3 middle{ 0, 0, 0 };
-  for (std::size_t column = 0; column < this->Breast.size(); ++column)
+  for (const Vector3& wall : walls)
   {
-    if (this->Breast[column] && std::isfinite(this->FixedFront[column]))
-    {
-      const std::size_t across = column % this->CountAcross;
-      const std::size_t along = column / this->CountAcross;
-      walls.push_back({ this->WidthMm * static_cast<double>(across), this->FixedFront[column],
-        this->WidthMm * static_cast<double>(along) });
-      middle = middle + walls.back();
-    }
+    middle = middle + (1.0 / static_cast<double>(walls.size())) * wall;
   }
   double xx = 0;
   double xz = 0;
@@ -213,7 +240,7 @@ std::array<double, 2> BreastColumns::WallSlopes() const
   double zy = 0;
   for (const Vector3& wall : walls)
   {
-    const Vector3 d = wall - (1.0 / static_cast<double>(walls.size())) * middle;
+    const Vector3 d = wall - middle;
     xx += d[0] * d[0];
     xz += d[0] * d[2];
     zz += d[2] * d[2];

@@ -19,7 +19,8 @@ namespace mammoray
  * body. The breast is the hill with the highest peak. Two kinds of columns do not belong to it:
  * hills behind a valley deeper than a tenth of the peak's height (the other breast, the belly, the
  * armpit's fold), and columns farther than three eighths of the peak's height from the part of the
- * hill above a quarter of the peak (flat tissue over the ribs: a breast slopes more).
+ * hill above a quarter of the peak, its core (flat tissue over the ribs: a breast slopes more). The
+ * core does not depend on how much of the body around the breast is there.
  */
 class MAMMORAYFOUNDATION_EXPORT BreastColumns
 {
@@ -38,14 +39,20 @@ public:
    */
   std::optional<double> Midline() const;
   /// How far the front of the fixed tissue behind the breast comes forward per mm to the left and
-  /// per mm to the head: of the least-squares plane through the breast's columns; 0 without fixed
-  /// tissue.
+  /// per mm to the head: of the least-squares plane through the columns of the breast's core; 0
+  /// without fixed tissue.
   std::array<double, 2> WallSlopes() const;
+  /// The middle of the core's columns; along the anterior direction the mean front of the fixed
+  /// tissue, or 0 without any.
+  Vector3 Middle() const;
   /// True if the column of a position belongs to the breast.
   bool IsBreast(const Vector3& place) const { return this->Breast[this->ColumnOf(place)] != 0; }
 
 private:
   std::size_t ColumnOf(const Vector3& place) const;
+  /// The core's columns: the mean position of their pieces across and along, and the front of the
+  /// fixed tissue (infinite where there is none).
+  std::vector<Vector3> CoreColumns() const;
   /// Heights over the body, mm; negative without tissue.
   std::vector<double> Heights() const;
   /// The column of its hill's peak for each column; NoHill without tissue.
@@ -64,6 +71,9 @@ private:
   std::vector<double> Front;
   std::vector<double> Back;
   std::vector<double> FixedFront;
+  /// Sums of the lateral and longitudinal positions of the pieces, and their number.
+  std::vector<Vector3> Sums;
+  std::vector<char> Core;
   std::vector<char> Breast;
 };
 }
