@@ -19,19 +19,20 @@ namespace mammoray
 {
 namespace
 {
-/// Weights of the ten nodes at barycentric coordinates `l`, extrapolated along the tangent to `l` +
-/// `away`.
+/// Weights of the ten nodes at barycentric coordinates `l`, extrapolated to `l` + `away` with the
+/// gradient in the middle of the cell. At the corner of a cell that is bent around a plate's edge
+/// the gradient is ten times larger: it threw skin 90 mm out of a breast.
 void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, double* weights)
 {
   for (int c = 0; c < 4; ++c)
   {
-    weights[c] = l[c] * (2 * l[c] - 1) + (4 * l[c] - 1) * away[c];
+    weights[c] = l[c] * (2 * l[c] - 1);
   }
   for (int e = 0; e < 6; ++e)
   {
     const int i = CellEdges[e][0];
     const int j = CellEdges[e][1];
-    weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
+    weights[4 + e] = 4 * l[i] * l[j] + away[i] + away[j];
   }
 }
 

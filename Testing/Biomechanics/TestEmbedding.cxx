@@ -73,6 +73,22 @@ TEST_P(ElementEmbedding, ExtendsLinearFieldsOutside)
   }
 }
 
+TEST(Embedding, TakesTheMiddlesGradientOutside)
+{
+  // Tissue that is pulled out towards the nipple, with a gradient of 10 at its tip.
+  CompressionSimulation simulation = MakeSimulation();
+  std::vector<double> positions = simulation.RestPositions();
+  for (std::size_t n = 1; n < positions.size(); n += 3)
+  {
+    positions[n] += std::pow(std::max(0.0, positions[n] - 30), 2);
+  }
+  const std::vector<double> mapped = Embedding(simulation, { 0, 35, 0, 0, 37, 0 }).Map(positions);
+  EXPECT_NEAR(mapped[1], 60, 1e-9);
+  // Of the cell, not of its corner: 2 mm times 1 + 10 would be 22.
+  EXPECT_GT(mapped[4], 60 + 2);
+  EXPECT_LT(mapped[4], 60 + 18);
+}
+
 TEST_P(ElementEmbedding, GatheringIsTheTransposeOfMapping)
 {
   CompressionSimulation simulation = MakeSimulation(GetParam());
