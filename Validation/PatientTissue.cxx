@@ -226,6 +226,43 @@ void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held)
   }
 }
 
+LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held)
+{
+  constexpr double MostStretch = 1.8;
+  std::array<double, 2> sums{};
+  std::array<double, 2> squares{};
+  double count = 0;
+  breast.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      const std::size_t material = breast.Voxels[voxel];
+      if (material != 0 && !held[material])
+      {
+        const Vector3 at = breast.PointAt(i, j, k);
+        for (std::size_t axis = 0; axis < 2; ++axis)
+        {
+          sums[axis] += at[2 * axis];
+          squares[axis] += at[2 * axis] * at[2 * axis];
+        }
+        ++count;
+      }
+    });
+  const auto deviation = [&](std::size_t axis)
+  {
+    const double mean = sums[axis] / count;
+    return std::sqrt(squares[axis] / count - mean * mean);
+  };
+  // Across s, elsewhere 1 / sqrt(s): as wide as high if s^(3/2) is the ratio of now.
+  const double stretch =
+    std::clamp(std::pow(deviation(1) / std::max(deviation(0), 1e-9), 2.0 / 3), 1.0, MostStretch);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const bool across = std::abs(breast.Direction[axis][0]) > 0.7;
+    breast.Spacing[axis] *= across ? stretch : 1 / std::sqrt(stretch);
+  }
+  return breast;
+}
+
 LabelVolume FlattenChest(const LabelVolume& materials, const std::vector<bool>& held)
 {
   constexpr double ColumnMm = 3;

@@ -59,6 +59,15 @@ LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& tabl
 void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held);
 
 /**
+ * A breast coil squeezes a large breast from both sides: 50 to 65 mm wide and 170 to 190 mm high in
+ * uta11-b. What is squeezed across becomes longer along the body and to the front alike. A
+ * stress-free breast is about as wide as high, so the tissue is stretched to the sides until the
+ * standard deviations of what is not held are alike, at most by 1.8, and shrunk in the other two
+ * directions at an unchanged volume. `breast`: indices, 0 = air, DICOM LPS.
+ */
+LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held);
+
+/**
  * Takes the chest's own shape out of a patient's breast, which PlaceOnChest bends: tissue is moved
  * along the body's depth until the surface of second order through the front of the held tissue is
  * a coronal plane. What lies more than 20 mm behind that plane becomes air. `materials`: indices, 0

@@ -32,49 +32,6 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/**
- * A breast coil squeezes a large breast from both sides: 50 to 65 mm wide and 170 to 190 mm high in
- * uta11-b. A stress-free breast is about as wide as high. This stretches the breast to the sides
- * and shrinks it along the body until it is, at an unchanged volume. `breast` in DICOM LPS.
- */
-LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held)
-{
-  constexpr double MostStretch = 1.8;
-  std::array<double, 2> sums{};
-  std::array<double, 2> squares{};
-  double count = 0;
-  breast.ForEachVoxel(
-    [&](int i, int j, int k, std::size_t voxel)
-    {
-      const std::size_t material = breast.Voxels[voxel];
-      if (material != 0 && !held[material])
-      {
-        const Vector3 at = breast.PointAt(i, j, k);
-        for (std::size_t axis = 0; axis < 2; ++axis)
-        {
-          sums[axis] += at[2 * axis];
-          squares[axis] += at[2 * axis] * at[2 * axis];
-        }
-        ++count;
-      }
-    });
-  const auto deviation = [&](std::size_t axis)
-  {
-    const double mean = sums[axis] / count;
-    return std::sqrt(squares[axis] / count - mean * mean);
-  };
-  const double stretch =
-    std::clamp(std::sqrt(deviation(1) / std::max(deviation(0), 1e-9)), 1.0, MostStretch);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    const Vector3& direction = breast.Direction[axis];
-    breast.Spacing[axis] *= std::abs(direction[0]) > 0.7 ? stretch
-      : std::abs(direction[2]) > 0.7                     ? 1 / stretch
-                                                         : 1.0;
-  }
-  return breast;
-}
-
 /// Material indices of a patient's breast, DICOM LPS.
 LabelVolume BreastOfMri(const PlannedStudy& study, const MaterialTable& table,
   const ProgressCallback& progress)

@@ -194,6 +194,7 @@ public:
           this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
         this->CloseFirmly(breast, taken.Pose, state, progress);
         this->PullOnto(points, taken.Pose, state, progress);
+        this->Centre(points, state, taken.Pose);
         return { taken, this->Picture(hung, state, points, taken, draws) };
       }
       catch (const ConvergenceError&)
@@ -261,6 +262,27 @@ private:
     }
   }
 
+  /// Where these points lie between the plates.
+  std::vector<Vector3> Moved(const std::vector<double>& points, const CompressionState& state) const
+  {
+    return AsPoints(Embedding(this->Model.Body().Simulation(), points).Map(state.Positions));
+  }
+
+  /// Centres the breast on the receptor, as far off as the pose was drawn. Plates without friction
+  /// are the same all along their edges.
+  void Centre(const std::vector<double>& points, const CompressionState& state,
+    BreastPose& pose) const
+  {
+    const std::vector<Vector3> moved = this->Moved(points, state);
+    BreastPose middle = pose;
+    middle.LateralMm = 0;
+    const VolumeFromGantry placed = this->Placement.At(middle);
+    for (const Vector3& point : moved)
+    {
+      pose.LateralMm += placed.ToGantry(point)[0] / static_cast<double>(moved.size());
+    }
+  }
+
   /// Moves the plates to a pose, from a state or, without one, by a cold start. Returns false and
   /// leaves `pose` and `state` if there is no equilibrium.
   bool TryPose(const BreastPose& next, const CompressionState* from, BreastPose& pose,
@@ -285,8 +307,7 @@ private:
   {
     const VolumeFromGantry placed = this->Placement.At(pose);
     std::vector<double> depths;
-    for (const Vector3& point :
-      AsPoints(Embedding(this->Model.Body().Simulation(), points).Map(state.Positions)))
+    for (const Vector3& point : this->Moved(points, state))
     {
       depths.push_back(placed.ToGantry(point)[1]);
     }
@@ -339,12 +360,10 @@ private:
       this->Sweep(seen, mammogram, grid);
     }
 
-    const std::vector<double> moved =
-      Embedding(this->Model.Body().Simulation(), points).Map(state.Positions);
     const VolumeFromGantry placed = this->Placement.At(taken.Pose);
-    for (std::size_t index = 0; index < moved.size(); index += 3)
+    for (const Vector3& point : this->Moved(points, state))
     {
-      const Vector3 at = placed.ToGantry({ moved[index], moved[index + 1], moved[index + 2] });
+      const Vector3 at = placed.ToGantry(point);
       taken.Gantry.push_back(at);
       taken.Receptor.push_back(ShadowOf(at, taken.Unit));
       taken.Pixels.push_back(grid.IndexOf(taken.Receptor.back()));

@@ -115,9 +115,11 @@ ScannedPatient LieDown(const StudyPatient& patient, const VirtualStudyOptions& o
   }
   const double nipple = low[1];
   const double side = options.Laterality == 'L' ? 1 : -1;
-  // Air in front of the breast, the lung behind it, the body above and below.
-  low = { options.BothBreasts ? -176 : low[0] - 15, nipple - 25, low[2] - 30 };
-  high = { options.BothBreasts ? 176 : high[0] + 15, patient.Curve.At(patient.OffMm) + 80,
+  // Air in front of the breast, the lung behind it, the body above and below; of both breasts a
+  // field that cuts neither off.
+  const double half = std::max({ 176.0, -low[0] - 10, high[0] - 10 });
+  low = { options.BothBreasts ? -half : low[0] - 15, nipple - 25, low[2] - 30 };
+  high = { options.BothBreasts ? half : high[0] + 15, patient.Curve.At(patient.OffMm) + 80,
     high[2] + 30 };
 
   ScannedPatient scanned;

@@ -261,6 +261,42 @@ TEST(SimulatedMri, ASegmentationFindsThatItsFatIsBright)
   EXPECT_EQ(SegmentBreast(plain, options).Contrast, FatContrast::FatBright);
 }
 
+TEST(FreeOfCoil, MakesABreastAsWideAsHigh)
+{
+  const auto sizes = [](double width, double height, bool free)
+  {
+    // A box of fat, 60 mm deep, in front of a wall.
+    LabelVolume box = test::LabelledCube(70, 2,
+      [&](const Vector3& p)
+      {
+        return p[1] > 20                                                            ? 2
+          : std::abs(p[0]) < width / 2 && std::abs(p[2]) < height / 2 && p[1] > -40 ? 1
+                                                                                    : 0;
+      });
+    box = free ? FreeOfCoil(std::move(box), { false, false, true }) : box;
+    std::array<Extent, 3> extents;
+    box.ForEachVoxel(
+      [&](int i, int j, int k, std::size_t index)
+      {
+        for (std::size_t axis = 0; axis < 3 && box.Voxels[index] == 1; ++axis)
+        {
+          extents[axis].Add(box.PointAt(i, j, k)[axis] + 0.5 * box.Spacing[axis]);
+          extents[axis].Add(box.PointAt(i, j, k)[axis] - 0.5 * box.Spacing[axis]);
+        }
+      });
+    return Vector3{ extents[0].Length(), extents[1].Length(), extents[2].Length() };
+  };
+  // Twice as high as wide: s^(3/2) = 2, but for the 20 voxels across, whose middles deviate by less
+  // than the box does.
+  const Vector3 squeezed = sizes(40, 80, true);
+  EXPECT_NEAR(squeezed[0], 40 * std::cbrt(4.0), 0.1);
+  EXPECT_NEAR(squeezed[1], 60 / std::cbrt(2.0), 0.1);
+  EXPECT_NEAR(squeezed[2], squeezed[0], 0.1);
+  // No further than by 1.8; what is wide already stays.
+  EXPECT_NEAR(sizes(40, 120, true)[0], 72, 0.01);
+  EXPECT_EQ(sizes(80, 40, true), sizes(80, 40, false));
+}
+
 TEST(FlattenChest, TakesOutASurfaceOfSecondOrder)
 {
   // 20 mm of fat in front of a wall that slopes to the side and to the head and is round.
