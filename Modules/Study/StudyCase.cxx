@@ -215,7 +215,11 @@ void HideNames(Study& study)
 void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
   const ProgressCallback& progress)
 {
-  Study study = ReadStudy(folder, progress);
+  TakeStudy(ReadStudy(folder, progress), laterality, input);
+}
+
+void TakeStudy(Study study, std::optional<char> laterality, RegistrationCase& input)
+{
   if (!input.NameInputs)
   {
     HideNames(study);

@@ -61,6 +61,10 @@ struct StudyTissue
 MAMMORAYSTUDY_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
   RegistrationCase& input, const ProgressCallback& progress = {});
 
+/// The same of a study that was read before; its series and mammograms may have been corrected.
+MAMMORAYSTUDY_EXPORT void TakeStudy(Study study, std::optional<char> laterality,
+  RegistrationCase& input);
+
 /**
  * Reads the MRI of a choice and segments it (SegmentBreast), without and with fat suppression
  * together if there are both. Undetermined counts as the former beside the latter if fat is bright
