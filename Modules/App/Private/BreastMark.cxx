@@ -96,8 +96,34 @@ void BreastMark::Clear()
   this->Pixel.reset();
 }
 
-void BreastMark::Update()
+const RegisteredBreast& BreastMark::Breast(const MarkedMammogram& mammogram)
 {
+  std::shared_ptr<const RegisteredBreast>& known = this->Breasts[mammogram.Live];
+  if (!known)
+  {
+    known = std::make_shared<const RegisteredBreast>(mammogram.Live->InUnit());
+  }
+  return *known;
+}
+
+void BreastMark::DrawAtRest(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
+  const std::vector<Loop>& loops)
+{
+  this->AtRest.SetMark(point, line, loops);
+  this->Lines = loops;
+  for (Loop& loop : this->Lines)
+  {
+    loop.push_back(loop.front());
+  }
+  this->Lines.push_back(line);
+}
+
+void BreastMark::Update(bool moved)
+{
+  if (moved)
+  {
+    this->Breasts.clear();
+  }
   this->Found.clear();
   this->Centre.reset();
   if (this->Point)
@@ -116,7 +142,7 @@ void BreastMark::Update()
 
 void BreastMark::DrawNothing()
 {
-  this->AtRest.SetMark({}, {}, {});
+  this->DrawAtRest({}, {}, {});
   for (const MarkedMammogram& mammogram : this->Mammograms)
   {
     mammogram.Squeezed->SetMark({}, {}, {});
@@ -129,7 +155,7 @@ void BreastMark::UpdatePoint()
   char text[240];
   for (const MarkedMammogram& mammogram : this->Mammograms)
   {
-    const RegisteredBreast breast(mammogram.Live->InUnit());
+    const RegisteredBreast& breast = this->Breast(mammogram);
     const ImagedPoint imaged = breast.ToMammogram(*this->Point);
     if (this->Found.empty())
     {
@@ -146,7 +172,7 @@ void BreastMark::UpdatePoint()
     mammogram.Squeezed->SetMark({ imaged.Compressed }, { imaged.Compressed }, loops.Compressed);
     mammogram.Pane->SetMark({ mammogram.Live->Grid(1).PositionOf(imaged.Column, imaged.Row) },
       loops.Receptor);
-    this->AtRest.SetMark({ *this->Point }, { *this->Point }, loops.Rest);
+    this->DrawAtRest({ *this->Point }, { *this->Point }, loops.Rest);
   }
   this->Centre = this->Point;
 }
@@ -156,7 +182,7 @@ void BreastMark::UpdatePixel()
 {
   const MarkedMammogram& marked = this->Mammograms[this->PixelOf];
   const auto [column, row] = *this->Pixel;
-  const RegisteredBreast breast(marked.Live->InUnit());
+  const RegisteredBreast& breast = this->Breast(marked);
   const std::vector<RaySegment> stretches = breast.ToVolume(column, row, 1.0);
   char text[240];
   std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f): ", marked.Prefix.c_str(), column, row);
@@ -193,7 +219,7 @@ void BreastMark::UpdatePixel()
     }
     else
     {
-      this->DrawLine(mammogram, RegisteredBreast(mammogram.Live->InUnit()), places, false);
+      this->DrawLine(mammogram, this->Breast(mammogram), places, false);
     }
   }
 }
@@ -226,7 +252,7 @@ void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBrea
     const ReceptorGrid& grid = mammogram.Live->Grid(1);
     mammogram.Pane->SetMark({ grid.PositionOf((*this->Pixel)[0], (*this->Pixel)[1]) },
       receptorLoops);
-    this->AtRest.SetMark({}, places, restLoops);
+    this->DrawAtRest({}, places, restLoops);
   }
   else
   {

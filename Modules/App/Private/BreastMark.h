@@ -5,8 +5,11 @@
 #include "Private/BreastScene.h"
 #include "Private/LiveMammogram.h"
 #include "Private/MammogramPane.h"
+#include "mammorayAppModule.h"
 
 #include <array>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,7 +34,7 @@ struct MarkedMammogram
  * drawn in all views of the window: the points concerned, and ellipses of one and two standard
  * deviations around them; what lies behind a pixel is a line in the other mammograms.
  */
-class BreastMark
+class MAMMORAYAPP_EXPORT BreastMark
 {
 public:
   explicit BreastMark(BreastScene& atRest)
@@ -45,14 +48,16 @@ public:
   void Set(const Vector3& point);
   void Set(const std::array<double, 2>& pixel, std::size_t mammogram);
   void Clear();
-  /// Finds what is marked in the breast as it stands, and draws it. Throws InputError beside the
-  /// breast and the picture.
-  void Update();
+  /// Finds what is marked in the breast as it stands, and draws it. `moved`: units or breasts have
+  /// moved since the last time. Throws InputError beside the breast and the picture.
+  void Update(bool moved = true);
   /// What was found, for the user; lines without an end. Empty: nothing is marked.
   const std::string& Text() const { return this->Found; }
   /// The marked point, or the middle of what lies behind the pixel, at rest; nothing where nothing
   /// was found.
   const std::optional<Vector3>& Middle() const { return this->Centre; }
+  /// What lies behind a pixel, and ellipses, closed, in the breast at rest.
+  const std::vector<std::vector<Vector3>>& RestLines() const { return this->Lines; }
 
 private:
   void UpdatePoint();
@@ -60,8 +65,13 @@ private:
   void DrawLine(const MarkedMammogram& mammogram, const RegisteredBreast& breast,
     const std::vector<Vector3>& places, bool ofPixel);
   void DrawNothing();
+  const RegisteredBreast& Breast(const MarkedMammogram& mammogram);
+  void DrawAtRest(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
+    const std::vector<Loop>& loops);
 
   BreastScene& AtRest;
+  std::map<const LiveMammogram*, std::shared_ptr<const RegisteredBreast>> Breasts;
+  std::vector<std::vector<Vector3>> Lines;
   std::vector<MarkedMammogram> Mammograms;
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;

@@ -3,6 +3,7 @@
 #define mammoray_BreastScene_h
 
 #include "Private/LiveMammogram.h"
+#include "mammorayAppModule.h"
 
 #include "vtkNew.h"
 #include "vtkPoints.h"
@@ -27,7 +28,7 @@ using Loop = std::vector<Vector3>;
  * A breast in a renderer: the skin to look through, what lies inside, and, where wanted, the unit
  * around it. Volume frame, mm.
  */
-class BreastScene
+class MAMMORAYAPP_EXPORT BreastScene
 {
 public:
   BreastScene(const LiveMammogram& live, const ViewedBreast& viewed);

@@ -4,6 +4,7 @@
 
 #include "Private/ReducedEquilibria.h"
 #include "mammoray/App/ViewedBreast.h"
+#include "mammorayAppModule.h"
 
 #include <condition_variable>
 #include <mutex>
@@ -34,7 +35,7 @@ struct CompressedAnatomy
  * of several poses asked for while it works, the last one counts. While poses near known equilibria
  * come one after the other it waits for the last, since those equilibria answer at once.
  */
-class CompressionWorker
+class MAMMORAYAPP_EXPORT CompressionWorker
 {
 public:
   explicit CompressionWorker(const ViewedBreast& viewed);

@@ -125,6 +125,32 @@ void MammogramPane::SetBlend(double real)
   this->Compose();
 }
 
+void MammogramPane::SetComparison(Comparison comparison)
+{
+  this->Compared = comparison;
+  this->Compose();
+}
+
+float MammogramPane::ShareAt(int column, int row) const
+{
+  constexpr double SquareMm = 10;
+  switch (this->Compared)
+  {
+    case Comparison::Checkerboard:
+    {
+      const double stepMm =
+        this->Divisor * std::hypot(this->Grid.ColumnStep[0], this->Grid.ColumnStep[1]);
+      const int side = std::max(1, static_cast<int>(SquareMm / stepMm));
+      return (column / side + row / side) % 2 == 0 ? 1.0F : 0.0F;
+    }
+    case Comparison::Swipe:
+      return column < this->Real * this->Grid.Columns / this->Divisor ? 1.0F : 0.0F;
+    case Comparison::Blend:
+      break;
+  }
+  return static_cast<float>(this->Real);
+}
+
 void MammogramPane::ResetWindow()
 {
   this->Low = 0;
@@ -141,14 +167,15 @@ void MammogramPane::Compose()
   const auto scale = static_cast<float>(1 / (this->White - this->Black));
   const auto low = static_cast<float>(this->Low);
   const auto stretch = static_cast<float>(1 / (this->High - this->Low));
-  const auto share = static_cast<float>(this->Real);
   const std::vector<float>& real = this->RealGrey[static_cast<std::size_t>(this->Divisor - 1)];
   for (std::size_t pixel = 0; pixel < this->Synthetic.size(); ++pixel)
   {
     float value = (this->Synthetic[pixel] - black) * scale;
-    if (share > 0)
+    if (!real.empty())
     {
-      value += share * (real[pixel] - value);
+      const int column = static_cast<int>(pixel % static_cast<std::size_t>(columns));
+      const int row = static_cast<int>(pixel / static_cast<std::size_t>(columns));
+      value += this->ShareAt(column, row) * (real[pixel] - value);
     }
     value = (value - low) * stretch;
     grey[pixel] = static_cast<unsigned char>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);

@@ -4,6 +4,7 @@
 
 #include "Private/LiveMammogram.h"
 #include "Private/PicturePane.h"
+#include "mammorayAppModule.h"
 
 #include "vtkSmartPointer.h"
 
@@ -18,13 +19,21 @@ namespace mammoray
  * The synthetic mammogram blended with the real one, as mammograms are hung: chest wall at the left
  * for the left breast, lateral side or head up. Drawn in the gantry frame's x and y, mm.
  */
-class MammogramPane : public PicturePane
+class MAMMORAYAPP_EXPORT MammogramPane : public PicturePane
 {
 public:
   MammogramPane(const ViewedBreast& viewed, LiveMammogram& live);
 
   /// Takes the picture that `live` has now.
   void Update(LiveMammogram& live, int divisor);
+  /// How the two are shown together.
+  enum class Comparison
+  {
+    Blend,        ///< The real one's share.
+    Checkerboard, ///< In squares of a centimetre.
+    Swipe         ///< The real one as far as its share of the columns.
+  };
+  void SetComparison(Comparison comparison);
   /// 0: synthetic only, 1: real only.
   void SetBlend(double real);
   double Blend() const { return this->Real; }
@@ -40,6 +49,8 @@ public:
 
 private:
   void Compose() override;
+  /// The share of the real mammogram in a pixel, [0, 1].
+  float ShareAt(int column, int row) const;
 
   ReceptorGrid Grid;
   double Right = 1;
@@ -50,6 +61,7 @@ private:
   double Black = 0;
   double White = 1;
   double Real = 0;
+  Comparison Compared = Comparison::Blend;
   std::vector<float> Synthetic;
   /// Pixels of the real breast, not 0; empty without one.
   std::vector<unsigned char> Breast;

@@ -31,7 +31,7 @@ std::string DirectionLetters(const Vector3& direction, const AnatomicalAxes& axe
  * What lies over a picture seen along its normal (a parallel camera), in pixels of the screen: its
  * title, letters of the patient's directions at its sides, a bar of so many mm, a ruler, lines.
  */
-class PaneOverlay
+class MAMMORAYAPP_EXPORT PaneOverlay
 {
 public:
   /// `view` must outlive this.

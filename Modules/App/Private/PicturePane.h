@@ -3,6 +3,7 @@
 #define mammoray_PicturePane_h
 
 #include "Private/PaneOverlay.h"
+#include "mammorayAppModule.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"
@@ -15,7 +16,7 @@
 namespace mammoray
 {
 /// A grey picture on a plane, seen along its normal, with an overlay and a window of grey values.
-class PicturePane
+class MAMMORAYAPP_EXPORT PicturePane
 {
 public:
   vtkRenderer* Renderer() { return this->View; }

@@ -4,6 +4,7 @@
 
 #include "Private/LiveProjection.h"
 #include "Private/PicturePane.h"
+#include "mammorayAppModule.h"
 
 #include <array>
 #include <optional>
@@ -16,7 +17,7 @@ namespace mammoray
  * The log attenuation on the detector, bright where much is absorbed, row 0 on top; drawn on the
  * detector, mm: x along columns, y against rows from the middle of the first pixel.
  */
-class ProjectionPane : public PicturePane
+class MAMMORAYAPP_EXPORT ProjectionPane : public PicturePane
 {
 public:
   explicit ProjectionPane(LiveProjection& live);

@@ -4,6 +4,7 @@
 
 #include "Private/LiveProjection.h"
 #include "Private/SceneShapes.h"
+#include "mammorayAppModule.h"
 
 #include "vtkNew.h"
 #include "vtkRenderer.h"
@@ -22,7 +23,7 @@ namespace mammoray
  * through the samples' middle, and of the detector the plane nearer the samples on which the same
  * rays make the same, smaller picture.
  */
-class SampleScene
+class MAMMORAYAPP_EXPORT SampleScene
 {
 public:
   SampleScene(const ViewedScene& viewed, const LiveProjection& live, vtkTexture* picture);

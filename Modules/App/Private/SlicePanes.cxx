@@ -252,6 +252,14 @@ void SlicePanes::ToggleTissue()
   }
 }
 
+void SlicePanes::SetTissueOpacity(double opacity)
+{
+  for (vtkImageSlice* slice : this->TissueSlices)
+  {
+    slice->GetProperty()->SetOpacity(opacity);
+  }
+}
+
 void SlicePanes::Update()
 {
   for (Pane& pane : this->Panes)
@@ -263,7 +271,7 @@ void SlicePanes::Update()
     std::snprintf(title, sizeof title, "%s %.1f mm", pane.Name,
       (pane.Along == this->Viewed.Axes.Superior ? 1 : -1) * Dot(focal, pane.Along));
     pane.Over->SetTitle(title);
-    std::vector<std::vector<Vector3>> lines;
+    std::vector<std::vector<Vector3>> lines = this->Lines;
     if (this->Point && std::abs(Dot(*this->Point - focal, pane.Along)) < MarkedWithinMm)
     {
       const Vector3 across = Cross(pane.Along, pane.Up);

@@ -4,6 +4,7 @@
 
 #include "Private/PaneOverlay.h"
 #include "mammoray/App/ViewedBreast.h"
+#include "mammorayAppModule.h"
 
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
@@ -11,6 +12,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 class vtkImageData;
@@ -25,7 +27,7 @@ namespace mammoray
  * patient's left, as radiologists hang them. The MRI in grey with the tissues over it, or the
  * tissues alone; lesions over both. Volume frame, mm.
  */
-class SlicePanes
+class MAMMORAYAPP_EXPORT SlicePanes
 {
 public:
   static constexpr int Count = 3;
@@ -39,6 +41,8 @@ public:
   void Frame();
   /// Marks a point and takes all slices there; nothing: no mark, the slices stay.
   void SetPoint(const std::optional<Vector3>& point);
+  /// Lines of a mark, seen in all panes: what lies behind a pixel, ellipses of uncertainty.
+  void SetLines(std::vector<std::vector<Vector3>> lines) { this->Lines = std::move(lines); }
   /// Goes so many voxels along the pane's normal.
   void Scroll(int pane, int steps);
   /// Changes grey: window and level by shares of the window.
@@ -46,6 +50,8 @@ public:
   void ResetWindow();
   /// Shows the tissues over the image, or hides them.
   void ToggleTissue();
+  /// [0, 1].
+  void SetTissueOpacity(double opacity);
   /// Follows cameras and sizes; before the window is drawn.
   void Update();
 
@@ -82,6 +88,7 @@ private:
   double Window = 1;
   double Level = 0.5;
   std::optional<Vector3> Point;
+  std::vector<std::vector<Vector3>> Lines;
 };
 }
 
