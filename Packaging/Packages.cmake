@@ -34,6 +34,11 @@ if (TARGET mammoray_project)
     "X-ray projection of meshes for Octave"
     "${about}\n\nThis package has the X-ray projector for Octave.")
 endif ()
+if (TARGET mammoray-app)
+  mammoray_package(desktop mammoray-app science "mammoray ${same_version}, hicolor-icon-theme"
+    "desktop application for breast MRI, mammograms and X-ray scenes"
+    "${about}\n\nThis package has the desktop application, which 'mammoray app' starts.")
+endif ()
 # Headers have no programs in them whose libraries could be asked for.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 # Dependencies of other programs that link these libraries.

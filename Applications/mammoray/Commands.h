@@ -3,6 +3,8 @@
 #ifndef mammoray_Commands_h
 #define mammoray_Commands_h
 
+#include <string>
+
 namespace CLI
 {
 class App;
@@ -10,6 +12,10 @@ class App;
 
 namespace mammoray
 {
+/// Where this program lies.
+std::string ProgramFolder();
+/// Starts the desktop application; says what is missing where it was not built.
+void AddAppCommand(CLI::App& application);
 void AddCompressCommand(CLI::App& application);
 void AddDemoCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);

@@ -84,6 +84,7 @@ int Run(int argc, char* argv[])
   application.set_version_flag("--version", "mammoray " MAMMORAY_VERSION);
   application.set_help_all_flag("--help-all", "of a command: all options");
   application.require_subcommand(1);
+  mammoray::AddAppCommand(application);
   mammoray::AddCompressCommand(application);
   mammoray::AddDemoCommand(application);
   mammoray::AddDevicesCommand(application);
@@ -136,6 +137,11 @@ int Run(int argc, char* argv[])
   }
   return 0;
 }
+}
+
+std::string mammoray::ProgramFolder()
+{
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
 }
 
 int main(int argc, char* argv[])

@@ -4,13 +4,19 @@
 #define mammoray_SmallBreast_h
 
 #include "TestMeshes.h"
+#include "TestResults.h"
 #include "mammoray/App/ViewedBreast.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 
 #include "Files.h"
+#include "vtkDoubleArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <filesystem>
 #include <string>
 
 namespace mammoray::test
@@ -53,6 +59,54 @@ inline ViewInput WriteSmallBreast(const test::TemporaryFolder& folder)
   input.Orientation = "LAS";
   input.PixelSpacingMm = 0.5;
   return input;
+}
+
+/// A folder as 'mammoray register' writes it: the breast squeezed to 0.7 of its height. Its table
+/// is that of WriteSmallBreast, which is not shipped.
+inline std::string WriteSmallResult(const test::TemporaryFolder& where)
+{
+  const std::string folder = where.File("result");
+  std::filesystem::create_directory(folder);
+  const auto grid = ToGrid(SmallBreastMesh(), { "air", "fat", "wall", "gland" });
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  vtkNew<vtkDoubleArray> sensitivity;
+  sensitivity->SetName("Sensitivity_thickness");
+  sensitivity->SetNumberOfComponents(3);
+  for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+  {
+    double point[3];
+    grid->GetPoint(id, point);
+    displacement->InsertNextTuple3(0.15 * point[0], 0, -0.3 * point[2]);
+    sensitivity->InsertNextTuple3(0.01 * point[0], 0, 0.01 * point[2]);
+  }
+  grid->GetPointData()->AddArray(displacement);
+  grid->GetPointData()->AddArray(sensitivity);
+  WriteMesh(grid, folder + "/uncompressed.vtu");
+  for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+  {
+    double point[3];
+    grid->GetPoint(id, point);
+    grid->GetPoints()->SetPoint(id, 1.15 * point[0], point[1], 0.7 * point[2]);
+  }
+  WriteMesh(grid, folder + "/compressed.vtu");
+  BreastPose pose;
+  pose.ThicknessMm = 54;
+  pose.RollDeg = 4;
+  pose.AnteriorMm = 5;
+  ResultFile result = MakeResultFile();
+  result.Axes = AnatomicalAxes::FromCode("LAS");
+  result.Anchor = { 0, 15, 0 };
+  SetPose(result, pose);
+  result.Placed = PlaceUnit({ result.Axes, result.Anchor }, {}, pose);
+  result.Unit = {};
+  result.Grid = { 120, 240, { 59.75, 0.25 }, { 0.0, 0.5 }, { -0.5, 0.0 } };
+  result.ConsideredCovariance.clear();
+  result.Covariance = OnlyThickness(2);
+  result.Inputs = { { MaterialTableRole, "table.json", "none" } };
+  WriteResultFile(result, folder);
+  return folder;
 }
 }
 

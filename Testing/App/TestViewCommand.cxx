@@ -3,7 +3,6 @@
 #include "MadeUpStudy.h"
 #include "SmallBreast.h"
 #include "SurfaceShapes.h"
-#include "TestResults.h"
 #include "VirtualDisplay.h"
 
 #include "mammoray/Study/CompressionGrids.h"
@@ -34,52 +33,7 @@ protected:
     this->MeshArguments = "view --mesh " + input.Mesh + " --materials " + input.Materials +
       " --orientation LAS --pixel-spacing 0.5";
   }
-  /// A folder as 'mammoray register' writes it: the breast squeezed to 0.7 of its height.
-  std::string WriteResult()
-  {
-    const std::string folder = this->Folder.File("result");
-    std::filesystem::create_directory(folder);
-    const auto grid = ToGrid(test::SmallBreastMesh(), { "air", "fat", "wall", "gland" });
-    vtkNew<vtkDoubleArray> displacement;
-    displacement->SetName("Displacement");
-    displacement->SetNumberOfComponents(3);
-    vtkNew<vtkDoubleArray> sensitivity;
-    sensitivity->SetName("Sensitivity_thickness");
-    sensitivity->SetNumberOfComponents(3);
-    for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
-    {
-      double point[3];
-      grid->GetPoint(id, point);
-      displacement->InsertNextTuple3(0.15 * point[0], 0, -0.3 * point[2]);
-      sensitivity->InsertNextTuple3(0.01 * point[0], 0, 0.01 * point[2]);
-    }
-    grid->GetPointData()->AddArray(displacement);
-    grid->GetPointData()->AddArray(sensitivity);
-    WriteMesh(grid, folder + "/uncompressed.vtu");
-    for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
-    {
-      double point[3];
-      grid->GetPoint(id, point);
-      grid->GetPoints()->SetPoint(id, 1.15 * point[0], point[1], 0.7 * point[2]);
-    }
-    WriteMesh(grid, folder + "/compressed.vtu");
-    BreastPose pose;
-    pose.ThicknessMm = 54;
-    pose.RollDeg = 4;
-    pose.AnteriorMm = 5;
-    ResultFile result = test::MakeResultFile();
-    result.Axes = AnatomicalAxes::FromCode("LAS");
-    result.Anchor = { 0, 15, 0 };
-    test::SetPose(result, pose);
-    result.Placed = PlaceUnit({ result.Axes, result.Anchor }, {}, pose);
-    result.Unit = {};
-    result.Grid = { 120, 240, { 59.75, 0.25 }, { 0.0, 0.5 }, { -0.5, 0.0 } };
-    result.ConsideredCovariance.clear();
-    result.Covariance = test::OnlyThickness(2);
-    result.Inputs = { { MaterialTableRole, "table.json", "none" } };
-    WriteResultFile(result, folder);
-    return folder;
-  }
+  std::string WriteResult() { return test::WriteSmallResult(this->Folder); }
   bool CanShow() { return test::VirtualDisplay::Instance().Works() && !ListDevices().empty(); }
   std::string MeshArguments;
 };

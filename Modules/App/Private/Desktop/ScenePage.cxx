@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/Desktop/ScenePage.h"
+
+#include "Private/KilovoltageSpectrum.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
+#include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/XRay/Exposer.h"
+
+#include "vtkImageData.h"
+#include "vtkRenderer.h"
+
+#include <QDoubleSpinBox>
+#include <QFileInfo>
+#include <QFormLayout>
+#include <QGroupBox>
+#include <QHeaderView>
+#include <QLabel>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QSlider>
+#include <QSplitter>
+#include <QTableWidget>
+#include <QVBoxLayout>
+
+#include <cmath>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int SceneRestMs = 250;
+/// The most that a source is moved, mm.
+constexpr double MostOffsetMm = 1e5;
+
+/// The place under a pixel of the view, in the plane across it through `depth`.
+Vector3 PlaceUnder(vtkRenderer* view, int x, int y, const Vector3& depth)
+{
+  view->SetWorldPoint(depth[0], depth[1], depth[2], 1);
+  view->WorldToDisplay();
+  view->SetDisplayPoint(x, y, view->GetDisplayPoint()[2]);
+  view->DisplayToWorld();
+  const double* world = view->GetWorldPoint();
+  return { world[0] / world[3], world[1] / world[3], world[2] / world[3] };
+}
+}
+
+ScenePage::Scenery::Scenery(const QString& path, const ProjectorOptions& projector)
+  : Description(ReadScene(path.toStdString()))
+{
+  if (this->Description.HasSource() != this->Description.HasDetector())
+  {
+    throw InputError(
+      path.toStdString() + ": expected both source and detector, or neither, to look at");
+  }
+  this->Viewed.Name = path.toStdString();
+  this->Whole = LoadScene(this->Description);
+  if (!this->Description.HasSource())
+  {
+    this->Whole.Detector.Columns = this->Whole.Detector.Rows = 512;
+    PlaceAround(this->Whole);
+  }
+  this->Viewed.Scene = this->Whole;
+  this->Viewed.Scene.Samples = { { Assemble(this->Whole) } };
+  this->Viewed.Scene.Detector.Samples = 1;
+  this->Live = std::make_unique<LiveProjection>(this->Viewed, projector);
+  this->Pane = std::make_unique<ProjectionPane>(*this->Live);
+  this->Pane->Update(*this->Live, 1);
+  this->Pane->ResetWindow();
+  this->OnDetector->SetInputDataObject(this->Pane->Picture()->GetInputDataObject(0, 0));
+  this->OnDetector->SetColorModeToDirectScalars();
+  this->OnDetector->InterpolateOn();
+  this->Samples = std::make_unique<SampleScene>(this->Viewed, *this->Live, this->OnDetector);
+  this->Samples->Update(*this->Live, false);
+  this->Samples->LookAt(*this->Live);
+}
+
+ScenePage::ScenePage(const ProjectorOptions& projector)
+  : Projector(projector)
+{
+  this->setObjectName("scenePage");
+  this->Head =
+    new QLabel(tr("No scene is open. Open a scene file with Ctrl+Alt+O, or drop it here."));
+  this->SetupView = new ViewWidget(ViewWidget::Kind::Scene, "setup");
+  this->PictureView = new ViewWidget(ViewWidget::Kind::Picture, "xray");
+  auto* splitter = new QSplitter(Qt::Horizontal);
+  splitter->addWidget(this->SetupView);
+  splitter->addWidget(this->PictureView);
+  splitter->addWidget(this->MakeSide());
+  splitter->setStretchFactor(0, 1);
+  splitter->setStretchFactor(1, 1);
+  splitter->setChildrenCollapsible(false);
+  auto* layout = new QVBoxLayout(this);
+  layout->addWidget(this->Head);
+  layout->addWidget(splitter, 1);
+  const auto complain = [this](const QString& complaint) { this->Complain(complaint); };
+  this->Opening.Failed = this->Exposing.Failed = complain;
+  this->Opening.Ended = [this]
+  {
+    this->Head->setText(this->Opened
+        ? QFileInfo(QString::fromStdString(this->Opened->Viewed.Name)).fileName()
+        : tr("No scene is open."));
+  };
+  this->Exposing.Progressed = [this](double fraction, const QString& stage)
+  {
+    this->Progress->setValue(static_cast<int>(100 * fraction));
+    this->Progress->setFormat(stage + " %p %");
+  };
+  this->Exposing.Ended = [this]
+  {
+    this->Progress->hide();
+    this->Cancel->hide();
+  };
+  this->Rest.setSingleShot(true);
+  connect(&this->Rest, &QTimer::timeout, this, [this] { this->Draw(1); });
+}
+
+ScenePage::~ScenePage()
+{
+  this->Detach();
+}
+
+QDoubleSpinBox* ScenePage::AddNumber(QFormLayout* form, const QString& label, const char* name,
+  const QString& suffix)
+{
+  auto* box = new QDoubleSpinBox;
+  box->setObjectName(name);
+  box->setSuffix(suffix);
+  box->setDecimals(1);
+  box->setRange(-MostOffsetMm, MostOffsetMm);
+  box->setKeyboardTracking(false);
+  form->addRow(label, box);
+  connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+    [this] { this->ReadControls(); });
+  return box;
+}
+
+QWidget* ScenePage::MakeSide()
+{
+  auto* content = new QWidget;
+  auto* side = new QVBoxLayout(content);
+  this->Parts = new QTableWidget(0, 2);
+  this->Parts->setObjectName("parts");
+  this->Parts->setHorizontalHeaderLabels({ tr("Part"), tr("Material") });
+  this->Parts->horizontalHeader()->setStretchLastSection(true);
+  this->Parts->verticalHeader()->hide();
+  this->Parts->setEditTriggers(QAbstractItemView::NoEditTriggers);
+  side->addWidget(this->Parts, 1);
+  auto* group = new QGroupBox(tr("Setup"));
+  auto* form = new QFormLayout(group);
+  this->Turn = new QSlider(Qt::Horizontal);
+  this->Turn->setObjectName("turn");
+  this->Turn->setRange(0, 360);
+  connect(this->Turn, &QSlider::valueChanged, this, [this] { this->ReadControls(); });
+  form->addRow(tr("&Turn"), this->Turn);
+  this->Energy = this->AddNumber(form, tr("&Energy"), "energy", tr(" kV"));
+  this->Energy->setSingleStep(0.5);
+  this->EnergyLabel = qobject_cast<QLabel*>(form->labelForField(this->Energy));
+  const std::array<QString, 3> names{ tr("Source &x"), tr("Source &y"), tr("Source &z") };
+  const char* const objects[] = { "sourceX", "sourceY", "sourceZ" };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    this->Source[axis] = this->AddNumber(form, names[axis], objects[axis], tr(" mm"));
+    this->Source[axis]->setSingleStep(5);
+  }
+  side->addWidget(group);
+  this->Seen =
+    new QLabel(tr("Click in the picture to see what a pixel sees. Drag the yellow ball to move "
+                  "the source."));
+  this->Seen->setObjectName("seen");
+  this->Seen->setWordWrap(true);
+  this->Seen->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  side->addWidget(this->Seen);
+  this->Progress = new QProgressBar;
+  this->Progress->hide();
+  side->addWidget(this->Progress);
+  this->Cancel = new QPushButton(tr("&Cancel"));
+  this->Cancel->hide();
+  connect(this->Cancel, &QPushButton::clicked, this, [this] { this->Exposing.Cancel(); });
+  side->addWidget(this->Cancel);
+  content->setMaximumWidth(360);
+  content->setEnabled(false);
+  content->setObjectName("sceneSide");
+  return content;
+}
+
+void ScenePage::Open(const QString& path)
+{
+  this->Head->setText(tr("reading %1...").arg(QFileInfo(path).fileName()));
+  this->Opening.Start(
+    [this, path, projector = this->Projector](const ProgressCallback&) -> Task::Outcome
+    {
+      auto scenery = std::make_shared<Scenery>(path, projector);
+      return [this, scenery] { this->Attach(scenery); };
+    });
+}
+
+void ScenePage::Detach()
+{
+  this->Rest.stop();
+  for (ViewWidget* view : { this->SetupView, this->PictureView })
+  {
+    view->Show({});
+    view->Fit = nullptr;
+    view->Clicked = nullptr;
+    view->Grabbed = nullptr;
+    view->Dragged = nullptr;
+    view->GreyDragged = nullptr;
+  }
+  this->Opened.reset();
+}
+
+void ScenePage::Attach(std::shared_ptr<Scenery> scenery)
+{
+  this->Detach();
+  this->Opened = std::move(scenery);
+  this->Marked.reset();
+  Scenery* opened = this->Opened.get();
+  this->PictureView->Fit = [opened] { opened->Pane->Frame(); };
+  this->PictureView->Clicked = [this, opened](int x, int y)
+  {
+    double column = 0;
+    double row = 0;
+    if (opened->Pane->PixelAt(x, y, column, row))
+    {
+      this->Marked = { column, row };
+      this->Draw(1);
+    }
+  };
+  this->PictureView->GreyDragged = [this, opened](double factor, double share)
+  {
+    opened->Pane->Adjust(factor, share);
+    this->PictureView->Redraw();
+  };
+  this->SetupView->Fit = [opened] { opened->Samples->LookAt(*opened->Live); };
+  this->SetupView->Grabbed = [opened](int x, int y) { return opened->Samples->OnSource(x, y); };
+  this->SetupView->Dragged = [this, opened](int x, int y)
+  {
+    const Vector3 shown = opened->Samples->ShownSource();
+    const Vector3 to = PlaceUnder(opened->Samples->Renderer(), x, y, shown);
+    opened->Live->SetSourceOffset(
+      opened->Live->SourceOffset() + (1 / opened->Samples->SourceShare()) * (to - shown));
+    this->TellSource();
+    this->Moved();
+  };
+  this->SetupView->Show({ opened->Samples->Renderer() });
+  this->PictureView->Show({ opened->Pane->Renderer() }, &opened->Pane->Overlay());
+  const QSignalBlocker quiet(this->Energy);
+  const QSignalBlocker still(this->Turn);
+  this->Turn->setValue(0);
+  const bool single = opened->Live->IsSingleEnergy();
+  this->EnergyLabel->setText(single ? tr("Photon &energy") : tr("Tube &voltage"));
+  this->Energy->setSuffix(single ? tr(" keV") : tr(" kV"));
+  this->Energy->setRange(opened->Live->EnergyRange()[0], opened->Live->EnergyRange()[1]);
+  this->Energy->setValue(opened->Live->Energy());
+  this->TellSource();
+  this->ListParts();
+  this->findChild<QWidget*>("sceneSide")->setEnabled(true);
+  if (this->Changed)
+  {
+    this->Changed();
+  }
+}
+
+void ScenePage::ListParts()
+{
+  this->Parts->setRowCount(0);
+  const auto add = [this](const std::string& part, const std::string& material)
+  {
+    const int row = this->Parts->rowCount();
+    this->Parts->insertRow(row);
+    this->Parts->setItem(row, 0,
+      new QTableWidgetItem(QFileInfo(QString::fromStdString(part)).fileName()));
+    this->Parts->setItem(row, 1, new QTableWidgetItem(QString::fromStdString(material)));
+  };
+  const SceneDescription& description = this->Opened->Description;
+  for (const SurfaceSample& sample : description.Samples)
+  {
+    add(sample.File, sample.Material);
+  }
+  if (!description.Mesh.empty())
+  {
+    for (const std::string& name : this->Opened->Viewed.Scene.Materials.Names())
+    {
+      add(description.Mesh, name);
+    }
+  }
+  this->Parts->resizeColumnToContents(0);
+}
+
+/// The source's place as numbers.
+void ScenePage::TellSource()
+{
+  const XRaySource& source = this->Opened->Live->Source();
+  const bool parallel = source.Type == XRaySource::Kind::Parallel;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const QSignalBlocker quiet(this->Source[axis]);
+    this->Source[axis]->setEnabled(!parallel);
+    this->Source[axis]->setValue(parallel ? 0 : source.Position[axis]);
+  }
+}
+
+void ScenePage::ReadControls()
+{
+  if (!this->Opened)
+  {
+    return;
+  }
+  LiveProjection& live = *this->Opened->Live;
+  live.SetTurn(this->Turn->value());
+  live.SetEnergy(this->Energy->value());
+  const XRaySource& first = this->Opened->Viewed.Scene.Source;
+  if (first.Type != XRaySource::Kind::Parallel)
+  {
+    const Vector3 asked{ this->Source[0]->value(), this->Source[1]->value(),
+      this->Source[2]->value() };
+    live.SetSourceOffset(asked - first.Position);
+  }
+  this->Moved();
+}
+
+void ScenePage::Moved()
+{
+  this->Draw(2);
+  this->Rest.start(SceneRestMs);
+}
+
+void ScenePage::Draw(int divisor)
+{
+  if (!this->Opened)
+  {
+    return;
+  }
+  Scenery& opened = *this->Opened;
+  opened.Pane->Update(*opened.Live, divisor);
+  opened.Pane->SetMark(this->Marked);
+  opened.Samples->Update(*opened.Live, false);
+  if (this->Marked && divisor == 1)
+  {
+    const auto& [column, row] = *this->Marked;
+    this->Seen->setText(
+      tr("pixel (%1, %2): %3")
+        .arg(column, 0, 'f', 1)
+        .arg(row, 0, 'f', 1)
+        .arg(QString::fromStdString(opened.Live->Describe(static_cast<int>(std::lround(column)),
+          static_cast<int>(std::lround(row))))));
+  }
+  this->PictureView->Redraw();
+  this->SetupView->Redraw();
+}
+
+/// The scene with source and energy as they stand.
+Scene ScenePage::Current() const
+{
+  Scene scene = this->Opened->Whole;
+  const LiveProjection& live = *this->Opened->Live;
+  scene.Source = live.Source();
+  if (live.IsSingleEnergy())
+  {
+    scene.XRays = Spectrum::Monochromatic(live.Energy());
+  }
+  else if (live.Energy() != KilovoltageOf(scene.XRays))
+  {
+    scene.XRays = AtKilovoltage(scene.XRays, live.Energy());
+  }
+  return scene;
+}
+
+void ScenePage::Expose(const QString& path)
+{
+  if (!this->Opened)
+  {
+    this->Complain(tr("expected a scene, found none open"));
+    return;
+  }
+  if (this->Opened->Live->Turn() != 0)
+  {
+    this->Complain(tr("samples: expected them as the scene has them, found them turned"));
+    return;
+  }
+  this->Progress->show();
+  this->Cancel->show();
+  this->Exposing.Start(
+    [this, path, scene = this->Current(), projector = this->Projector](
+      const ProgressCallback& progress) -> Task::Outcome
+    {
+      const std::string file = path.toStdString();
+      CheckProjectionExtension(file);
+      Exposer exposer(projector);
+      const Exposure exposure = exposer.Expose(scene, progress);
+      const auto image = ToImage(exposure, scene.Detector, scene.Materials.Names());
+      WriteAtomicFile(file, [&](const std::string& staged) { WriteProjection(image, staged); });
+      return [this, path] { this->Tell(tr("wrote %1").arg(path)); };
+    });
+}
+
+void ScenePage::SaveScene(const QString& path)
+{
+  try
+  {
+    if (!this->Opened)
+    {
+      throw InputError("expected a scene, found none open");
+    }
+    const LiveProjection& live = *this->Opened->Live;
+    if (live.Turn() != 0)
+    {
+      throw InputError("samples: expected them as the scene has them, found them turned");
+    }
+    SceneDescription description = this->Opened->Description;
+    const auto set = [&description](const char* key, const std::vector<double>& values)
+    {
+      std::vector<std::string> texts;
+      for (const double value : values)
+      {
+        texts.push_back(QString::number(value, 'g', 12).toStdString());
+      }
+      SetQuantity({ key, key, texts }, description);
+    };
+    const XRaySource& source = live.Source();
+    if (source.Type != XRaySource::Kind::Parallel && description.HasSource())
+    {
+      set("source.position", { source.Position[0], source.Position[1], source.Position[2] });
+    }
+    if (live.IsSingleEnergy())
+    {
+      set("beam.kev", { live.Energy() });
+    }
+    else if (!description.Tube.Anode.empty())
+    {
+      set("beam.kvp", { live.Energy() });
+    }
+    else if (live.Energy() != KilovoltageOf(this->Opened->Viewed.Scene.XRays))
+    {
+      throw InputError("beam: expected a tube or a single energy for another voltage, found a "
+                       "spectrum from a table");
+    }
+    WriteAtomicFile(path.toStdString(), WriteScene(description));
+    this->Tell(tr("wrote %1").arg(path));
+  }
+  catch (const Error& error)
+  {
+    this->Complain(error.what());
+  }
+}
+}

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// The desktop application, by real clicks and keys.
+#include "MadeUpStudy.h"
+#include "SmallBreast.h"
+#include "SurfaceShapes.h"
+#include "VirtualDisplay.h"
+#include "mammoray/App/Private/Desktop/MainWindow.h"
+#include "mammoray/IO/MeshIO.h"
+
+#include "vtkPolyData.h"
+
+#include <QApplication>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QListWidget>
+#include <QPushButton>
+#include <QSettings>
+#include <QSurfaceFormat>
+#include <QTableWidget>
+#include <QTest>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace
+{
+using namespace mammoray;
+
+/// One for all tests; it never ends, as OpenGL's drivers expect of it.
+QApplication* Application()
+{
+  static QApplication* const application = []
+  {
+    static int count = 1;
+    static char name[] = "TestDesktop";
+    static char* arguments[] = { name, nullptr };
+    qputenv("QT_QPA_PLATFORM", "xcb");
+    QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+    QCoreApplication::setOrganizationName("MammoRayTest");
+    QCoreApplication::setApplicationName("TestDesktop");
+    return new QApplication(count, arguments);
+  }();
+  return application;
+}
+
+class Desktop : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    if (!test::VirtualDisplay::Instance().Works() || ListDevices().empty())
+    {
+      GTEST_SKIP() << "no Vulkan device or no Xvfb";
+    }
+    Application();
+    QSettings::setDefaultFormat(QSettings::IniFormat);
+    QSettings::setPath(QSettings::IniFormat, QSettings::UserScope,
+      QString::fromStdString(this->Folder.File("settings")));
+    this->Start();
+  }
+  void Start()
+  {
+    this->Window.reset();
+    this->Window = std::make_unique<MainWindow>(ProjectorOptions{});
+    this->Window->resize(1300, 900);
+    this->Window->show();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(this->Window.get()));
+  }
+  /// The small result, whose table is not shipped.
+  void OpenResult()
+  {
+    ViewInput input = test::WriteSmallBreast(this->Folder);
+    input.Mesh.clear();
+    input.Orientation = "LPS";
+    input.Result =
+      this->ResultFolder.empty() ? test::WriteSmallResult(this->Folder) : this->ResultFolder;
+    this->ResultFolder = input.Result;
+    this->Window->Result().Open(input);
+    ASSERT_TRUE(this->Await([this] { return !this->Window->Result().IsBusy(); }));
+    ASSERT_EQ(this->Window->Complaint().toStdString(), "");
+    ASSERT_TRUE(this->Window->Result().IsOpen());
+  }
+  template <typename Condition>
+  bool Await(const Condition& done)
+  {
+    return QTest::qWaitFor(done, 60000);
+  }
+  template <typename Widget>
+  Widget* Find(const char* name)
+  {
+    auto* found = this->Window->findChild<Widget*>(name);
+    EXPECT_NE(found, nullptr) << name;
+    return found;
+  }
+  void ClickMiddle(const char* view)
+  {
+    auto* widget = this->Window->Result().View(view);
+    ASSERT_NE(widget, nullptr);
+    QTest::mouseClick(widget, Qt::LeftButton, {}, widget->rect().center());
+  }
+  std::string Where() { return this->Find<QLabel>("where")->text().toStdString(); }
+
+  test::TemporaryFolder Folder;
+  std::string ResultFolder;
+  std::unique_ptr<MainWindow> Window;
+};
+
+TEST_F(Desktop, MarksWhatIsClickedInAnyView)
+{
+  this->OpenResult();
+  EXPECT_EQ(this->Find<QLabel>("verdict")->text(), "The match should be checked by eye.");
+  EXPECT_FALSE(this->Find<QLabel>("reasons")->isVisible());
+  QTest::mouseClick(this->Find<QWidget>("why"), Qt::LeftButton);
+  EXPECT_TRUE(this->Find<QLabel>("reasons")->isVisible());
+  EXPECT_THAT(this->Find<QLabel>("reasons")->text().toStdString(),
+    testing::HasSubstr("The outlines lie apart."));
+
+  this->ClickMiddle("mammogram1");
+  EXPECT_THAT(this->Where(), testing::HasSubstr("pixel ("));
+  EXPECT_THAT(this->Where(), testing::HasSubstr("LPS"));
+  EXPECT_THAT(this->Where(), testing::HasSubstr("RAS"));
+  const std::string ofPixel = this->Where();
+  this->ClickMiddle("squeezed");
+  EXPECT_THAT(this->Where(), testing::HasSubstr("(1 sd)"));
+  EXPECT_NE(this->Where(), ofPixel);
+  const std::string ofPoint = this->Where();
+  this->ClickMiddle("atRest");
+  EXPECT_NE(this->Where(), ofPoint);
+  QTest::keyClick(this->Window.get(), Qt::Key_Escape);
+  EXPECT_THAT(this->Where(), testing::HasSubstr("Click in any view"));
+}
+
+TEST_F(Desktop, KeepsPlacesAndUndoesThem)
+{
+  this->OpenResult();
+  auto* places = this->Find<QListWidget>("places");
+  this->ClickMiddle("mammogram1");
+  QTest::keyClick(this->Window.get(), Qt::Key_Insert);
+  ASSERT_EQ(places->count(), 1);
+  QTest::keyClick(this->Window.get(), Qt::Key_Z, Qt::ControlModifier);
+  EXPECT_EQ(places->count(), 0);
+  QTest::keyClick(this->Window.get(), Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+  ASSERT_EQ(places->count(), 1);
+  places->item(0)->setText("lesion A");
+
+  // As after a kill: another window opens the folder.
+  this->Start();
+  this->OpenResult();
+  places = this->Find<QListWidget>("places");
+  ASSERT_EQ(places->count(), 1);
+  EXPECT_EQ(places->item(0)->text(), "lesion A");
+  QTest::mouseClick(places->viewport(), Qt::LeftButton, {},
+    places->visualItemRect(places->item(0)).center());
+  EXPECT_THAT(this->Where(), testing::HasSubstr("(1 sd)"));
+}
+
+TEST_F(Desktop, SqueezesTheBreastAnew)
+{
+  this->OpenResult();
+  auto* thickness = this->Find<QDoubleSpinBox>("thickness");
+  thickness->setFocus();
+  thickness->setValue(thickness->value() + 2);
+  auto* told = this->Find<QLabel>("equilibrium");
+  EXPECT_TRUE(this->Await([told] { return told->text().contains("solved in"); }))
+    << told->text().toStdString() << this->Window->Complaint().toStdString();
+}
+
+TEST_F(Desktop, TakesAnotherSeriesByHand)
+{
+  test::MadeUpStudy files;
+  files.AddSlices(test::MadeUpMr("1.2.4", "t1"), 30);
+  files.AddSlices(test::MadeUpMr("1.2.5", "t1 again"), 30);
+  files.Add(test::MadeUpMammogram("L", "CC"));
+  this->Window->OpenPaths({ QString::fromStdString(files.Folder()) });
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  EXPECT_EQ(this->Window->ShownPage(), MainWindow::StudyPage);
+  auto* series = this->Find<QTableWidget>("series");
+  ASSERT_EQ(series->rowCount(), 2);
+  const int reason = series->columnCount() - 1;
+  const auto taken = [&](int row) { return series->item(row, reason)->text().startsWith("taken"); };
+  ASSERT_NE(taken(0), taken(1)) << this->Find<QLabel>("contradictions")->text().toStdString();
+  const int other = taken(0) ? 1 : 0;
+  series->item(other, 0)->setCheckState(Qt::Checked);
+  EXPECT_TRUE(taken(other));
+  EXPECT_FALSE(taken(1 - other));
+  EXPECT_TRUE(this->Find<QPushButton>("toRun")->isEnabled());
+
+  // The mammogram shows the left breast.
+  this->Find<QComboBox>("side")->setCurrentIndex(2);
+  EXPECT_NE(this->Find<QLabel>("contradictions")->text(), "");
+  EXPECT_FALSE(this->Find<QPushButton>("toRun")->isEnabled());
+}
+
+TEST_F(Desktop, MovesAndExportsAScene)
+{
+  SurfaceMesh box;
+  shapes::AddBox(box, { -10, -10, -10 }, { 10, 10, 10 }, 1);
+  WriteMesh(ToPolyData(box, {}), this->Folder.File("box.stl"));
+  const std::string scene = this->Folder.Write("scene.json", R"({
+    "source": { "position": [0, -500, 0] },
+    "detector": { "origin": [-31, 100, 31], "column-direction": [1, 0, 0],
+      "row-direction": [0, 0, -1], "columns": 64, "rows": 64, "pixel-spacing": 1 },
+    "beam": { "kev": 60 },
+    "samples": [ { "file": "box.stl", "unit": "mm", "material": "Al" } ] })");
+  const auto open = [this](const std::string& path)
+  {
+    this->Window->OpenPaths({ QString::fromStdString(path) });
+    return this->Await([this] { return !this->Window->IsBusy(); }) &&
+      this->Window->Scenes().IsOpen();
+  };
+  ASSERT_TRUE(open(scene)) << this->Window->Complaint().toStdString();
+  EXPECT_EQ(this->Find<QTableWidget>("parts")->rowCount(), 1);
+  auto* picture = this->Window->Scenes().findChild<ViewWidget*>("xray");
+  QTest::mouseClick(picture, Qt::LeftButton, {}, picture->rect().center());
+  EXPECT_THAT(this->Find<QLabel>("seen")->text().toStdString(), testing::HasSubstr("Al 20"));
+
+  this->Find<QDoubleSpinBox>("sourceX")->setValue(50);
+  this->Find<QDoubleSpinBox>("energy")->setValue(80);
+  const QString saved = QString::fromStdString(this->Folder.File("moved.json"));
+  const QString exported = QString::fromStdString(this->Folder.File("xray.tif"));
+  this->Window->Scenes().SaveScene(saved);
+  this->Window->Scenes().Expose(exported);
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  EXPECT_EQ(this->Window->Complaint().toStdString(), "");
+  EXPECT_TRUE(std::filesystem::exists(exported.toStdString()));
+  ASSERT_TRUE(open(saved.toStdString())) << this->Window->Complaint().toStdString();
+  EXPECT_EQ(this->Find<QDoubleSpinBox>("sourceX")->value(), 50);
+  EXPECT_EQ(this->Find<QDoubleSpinBox>("energy")->value(), 80);
+}
+
+TEST_F(Desktop, SaysWhatIsWrongInALine)
+{
+  const auto complaint = [this](const std::string& path)
+  {
+    this->Window->OpenPaths({ QString::fromStdString(path) });
+    EXPECT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+    const std::string told = this->Window->Complaint().toStdString();
+    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
+    return told;
+  };
+  EXPECT_THAT(complaint(this->Folder.File("absent")), testing::HasSubstr("no such file"));
+  EXPECT_THAT(complaint(this->Folder.Write("bad.json", "{")), testing::HasSubstr("bad.json"));
+  std::filesystem::create_directory(this->Folder.File("empty"));
+  EXPECT_THAT(complaint(this->Folder.File("empty")), testing::HasSubstr("DICOM"));
+  EXPECT_THAT(complaint(this->Folder.Write("picture.dcm", "x")), testing::HasSubstr("result"));
+  std::filesystem::create_directory(this->Folder.File("broken"));
+  this->Folder.Write("broken/result.json", "{}");
+  EXPECT_THAT(complaint(this->Folder.File("broken")), testing::HasSubstr("result.json"));
+  EXPECT_FALSE(this->Window->Result().IsOpen());
+}
+
+TEST_F(Desktop, RemembersFoldersAndNoPatient)
+{
+  this->OpenResult();
+  this->Window->OpenPaths({ QString::fromStdString(this->ResultFolder) }); // without its table
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  this->Window->close();
+  this->Start();
+  const QSettings settings;
+  EXPECT_EQ(settings.value("recent").toStringList().front().toStdString(), this->ResultFolder);
+  EXPECT_EQ(this->Window->windowTitle(), "MammoRay");
+}
+}
