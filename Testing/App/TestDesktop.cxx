@@ -69,6 +69,8 @@ protected:
     this->Window->resize(1300, 900);
     this->Window->show();
     ASSERT_TRUE(QTest::qWaitForWindowExposed(this->Window.get()));
+    this->Window->activateWindow(); // there is no window manager, without which keys reach nobody
+    ASSERT_TRUE(QTest::qWaitForWindowActive(this->Window.get()));
   }
   /// The small result, whose table is not shipped.
   void OpenResult()
@@ -102,6 +104,16 @@ protected:
     ASSERT_NE(widget, nullptr);
     QTest::mouseClick(widget, Qt::LeftButton, {}, widget->rect().center());
   }
+  /// Clicks along a line through the middle until something is marked, which is not `before`.
+  void ClickBreast(const char* view, const std::string& before)
+  {
+    auto* widget = this->Window->Result().View(view);
+    for (int step = 1; step < 20 && this->Where() == before; ++step)
+    {
+      QTest::mouseClick(widget, Qt::LeftButton, {},
+        { widget->width() * step / 20, widget->height() / 2 });
+    }
+  }
   std::string Where() { return this->Find<QLabel>("where")->text().toStdString(); }
 
   test::TemporaryFolder Folder;
@@ -124,11 +136,11 @@ TEST_F(Desktop, MarksWhatIsClickedInAnyView)
   EXPECT_THAT(this->Where(), testing::HasSubstr("LPS"));
   EXPECT_THAT(this->Where(), testing::HasSubstr("RAS"));
   const std::string ofPixel = this->Where();
-  this->ClickMiddle("squeezed");
+  this->ClickBreast("squeezed", ofPixel);
   EXPECT_THAT(this->Where(), testing::HasSubstr("(1 sd)"));
-  EXPECT_NE(this->Where(), ofPixel);
+  EXPECT_THAT(this->Where(), testing::HasSubstr(" mm in "));
   const std::string ofPoint = this->Where();
-  this->ClickMiddle("atRest");
+  this->ClickBreast("atRest", ofPoint);
   EXPECT_NE(this->Where(), ofPoint);
   QTest::keyClick(this->Window.get(), Qt::Key_Escape);
   EXPECT_THAT(this->Where(), testing::HasSubstr("Click in any view"));
@@ -245,7 +257,7 @@ TEST_F(Desktop, SaysWhatIsWrongInALine)
   EXPECT_THAT(complaint(this->Folder.File("absent")), testing::HasSubstr("no such file"));
   EXPECT_THAT(complaint(this->Folder.Write("bad.json", "{")), testing::HasSubstr("bad.json"));
   std::filesystem::create_directory(this->Folder.File("empty"));
-  EXPECT_THAT(complaint(this->Folder.File("empty")), testing::HasSubstr("DICOM"));
+  EXPECT_THAT(complaint(this->Folder.File("empty")), testing::HasSubstr("found no file in it"));
   EXPECT_THAT(complaint(this->Folder.Write("picture.dcm", "x")), testing::HasSubstr("result"));
   std::filesystem::create_directory(this->Folder.File("broken"));
   this->Folder.Write("broken/result.json", "{}");

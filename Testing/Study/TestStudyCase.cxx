@@ -103,6 +103,28 @@ TEST(StudyCase, IsFilledFromTheExport)
   EXPECT_EQ(input.Materials, "mine.json");
 }
 
+TEST(StudyCase, TakesAStudyThatWasCorrected)
+{
+  const MadeUpExport files;
+  Study study = ReadStudy(files.Folder());
+  for (StudyMammogram& image : study.Mammograms)
+  {
+    if (image.Header.View == "MLO")
+    {
+      image.LeftOut = "by hand";
+    }
+  }
+  RegistrationCase input;
+  TakeStudy(std::move(study), 'L', input);
+  ASSERT_EQ(input.Mammograms.size(), 1u);
+  EXPECT_EQ(input.Mammograms[0], input.Study->Cc->Header.Path);
+  EXPECT_FALSE(input.Study->Mlo);
+  EXPECT_EQ(input.Study->Plain ? input.Study->Plain->Description.find("t1_fl3d")
+                               : std::string::npos,
+    std::string::npos)
+    << "names are hidden as of a folder";
+}
+
 TEST(StudyCase, NamesNoSeriesInItsReasonsUnlessAsked)
 {
   MadeUpStudy study;

@@ -408,6 +408,12 @@ void MainWindow::SetTheme(const QString& theme)
   const bool dark = theme == "dark";
   QApplication::setStyle(QStyleFactory::create("Fusion"));
   QApplication::setPalette(dark ? DarkPalette() : QApplication::style()->standardPalette());
+  // Fusion draws an empty box of a dark table almost as dark as the table.
+  qApp->setStyleSheet(
+    "QAbstractItemView::indicator { width: 0.9em; height: 0.9em; border: 1px solid "
+    "gray; border-radius: 2px }"
+    "QAbstractItemView::indicator:checked { background: palette(highlight); "
+    "border-color: palette(highlight) }");
   QSettings().setValue("theme", dark ? "dark" : "light");
   this->ThemeActions->actions()[dark ? 1 : 0]->setChecked(true);
 }

@@ -187,6 +187,8 @@ QWidget* ResultPage::MakeViews()
   this->Columns->setStretchFactor(1, 7);
   this->Columns->setStretchFactor(2, 0);
   this->Columns->setObjectName("columns");
+  this->Columns->setSizes({ 380, 800, 320 });
+  right->setSizes({ 560, 380 });
   for (ViewWidget* view : this->AllViews())
   {
     view->DoubleClicked = [this, view] { this->ToggleLarge(view); };

@@ -391,7 +391,7 @@ void ScenePage::Expose(const QString& path)
       Exposer exposer(projector);
       const Exposure exposure = exposer.Expose(scene, progress);
       const auto image = ToImage(exposure, scene.Detector, scene.Materials.Names());
-      WriteAtomicFile(file, [&](const std::string& staged) { WriteProjection(image, staged); });
+      WriteProjection(image, file);
       return [this, path] { this->Tell(tr("wrote %1").arg(path)); };
     });
 }
