@@ -31,7 +31,7 @@ struct BreastViewer::Internals : ViewerWindow
 
 BreastViewer::BreastViewer(const std::vector<ViewedBreast>& viewed, const ViewerOptions& options)
 {
-  RequireDisplay();
+  RequireDisplay("view");
   if (viewed.empty())
   {
     throw InputError("view: expected a breast, found none");

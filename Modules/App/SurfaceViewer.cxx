@@ -242,7 +242,7 @@ void SurfaceViewer::Internals::SavePictures()
 
 SurfaceViewer::SurfaceViewer(const ViewedScene& viewed, const ViewerOptions& options)
 {
-  RequireDisplay();
+  RequireDisplay("view");
   this->Internal = std::make_unique<Internals>(*this, viewed, options);
 }
 

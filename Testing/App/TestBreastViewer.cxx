@@ -301,7 +301,7 @@ TEST_F(BreastViewerTest, EndsByKeyAndWhenAsked)
 TEST_F(BreastViewerTest, RefusesWithoutADisplay)
 {
   unsetenv("DISPLAY");
-  EXPECT_THROW(RequireDisplay(), InputError);
+  EXPECT_THROW(RequireDisplay("view"), InputError);
   setenv("DISPLAY", ":12345", 1);
   EXPECT_THROW(BreastViewer(this->Viewed, this->Options), InputError);
 }

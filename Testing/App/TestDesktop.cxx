@@ -13,17 +13,23 @@
 #include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QElapsedTimer>
+#include <QFileInfo>
 #include <QLabel>
+#include <QLineEdit>
 #include <QListWidget>
 #include <QPushButton>
 #include <QSettings>
 #include <QSurfaceFormat>
 #include <QTableWidget>
 #include <QTest>
+#include <QTimer>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 namespace
@@ -114,6 +120,17 @@ protected:
         { widget->width() * step / 20, widget->height() / 2 });
     }
   }
+  /// A picture of the window, where MAMMORAY_PICTURES names a folder.
+  void Keep(const QString& name)
+  {
+    const QString folder = qEnvironmentVariable("MAMMORAY_PICTURES");
+    if (!folder.isEmpty())
+    {
+      constexpr int DrawnMs = 500;
+      QTest::qWait(DrawnMs);
+      EXPECT_TRUE(this->Window->grab().save(folder + "/" + name + ".png"));
+    }
+  }
   std::string Where() { return this->Find<QLabel>("where")->text().toStdString(); }
 
   test::TemporaryFolder Folder;
@@ -201,7 +218,22 @@ TEST_F(Desktop, TakesAnotherSeriesByHand)
   EXPECT_FALSE(taken(1 - other));
   EXPECT_TRUE(this->Find<QPushButton>("toRun")->isEnabled());
 
+  // A search of made-up pixels fails in a line, and the window goes on.
+  QTest::mouseClick(this->Find<QPushButton>("toRun"), Qt::LeftButton);
+  EXPECT_EQ(this->Window->ShownPage(), MainWindow::RunPage);
+  this->Find<QLineEdit>("output")->setText(QString::fromStdString(this->Folder.File("new-result")));
+  QTest::mouseClick(this->Find<QPushButton>("start"), Qt::LeftButton);
+  EXPECT_TRUE(this->Find<QPushButton>("cancel")->isEnabled());
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  EXPECT_FALSE(this->Find<QPushButton>("cancel")->isEnabled());
+  EXPECT_NE(this->Window->Complaint(), "");
+  EXPECT_FALSE(this->Window->Complaint().contains('\n'));
+  const QString caseFile = QString::fromStdString(this->Folder.File("case.json"));
+  this->Window->WriteCaseFile(caseFile);
+  EXPECT_TRUE(QFileInfo::exists(caseFile));
+
   // The mammogram shows the left breast.
+  this->Window->ShowPage(MainWindow::StudyPage);
   this->Find<QComboBox>("side")->setCurrentIndex(2);
   EXPECT_NE(this->Find<QLabel>("contradictions")->text(), "");
   EXPECT_FALSE(this->Find<QPushButton>("toRun")->isEnabled());
@@ -275,5 +307,68 @@ TEST_F(Desktop, RemembersFoldersAndNoPatient)
   const QSettings settings;
   EXPECT_EQ(settings.value("recent").toStringList().front().toStdString(), this->ResultFolder);
   EXPECT_EQ(this->Window->windowTitle(), "MammoRay");
+}
+
+/// From a study to marks in its result; some minutes.
+TEST_F(Desktop, DoesTheWholeJob)
+{
+  const char* const study = std::getenv("MAMMORAY_STUDY");
+  if (!std::getenv("MAMMORAY_LONG_TESTS") || !study)
+  {
+    GTEST_SKIP() << "MAMMORAY_LONG_TESTS, and MAMMORAY_STUDY: the export of a virtual study";
+  }
+  const auto wait = [this]
+  {
+    constexpr int LongMs = 3600000;
+    return QTest::qWaitFor([this] { return !this->Window->IsBusy(); }, LongMs) &&
+      this->Window->Complaint().isEmpty();
+  };
+  this->Window->OpenPaths({ QString(study) });
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  QTest::mouseClick(this->Find<QPushButton>("toTissue"), Qt::LeftButton);
+  EXPECT_EQ(this->Window->ShownPage(), MainWindow::TissuePage);
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  EXPECT_THAT(this->Find<QLabel>("tissueText")->text().toStdString(), testing::HasSubstr("cm3"));
+  this->Keep("tissue");
+  QTest::mouseClick(this->Find<QPushButton>("toRun"), Qt::LeftButton);
+  this->Find<QComboBox>("thoroughness")->setCurrentIndex(1);
+  this->ResultFolder = this->Folder.File("whole-result");
+  this->Find<QLineEdit>("output")->setText(QString::fromStdString(this->ResultFolder));
+  QTest::mouseClick(this->Find<QPushButton>("start"), Qt::LeftButton);
+
+  // No event waits while the search runs.
+  QElapsedTimer since;
+  since.start();
+  qint64 longest = 0;
+  QTimer ticks;
+  QObject::connect(&ticks, &QTimer::timeout,
+    [&]
+    {
+      longest = std::max(longest, since.restart());
+      if (!this->Find<QPushButton>("cancel")->isEnabled())
+      {
+        ticks.stop();
+      }
+    });
+  ticks.start(10);
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  RecordProperty("LongestWaitMs", static_cast<int>(longest));
+  std::printf("an event waited %d ms at most\n", static_cast<int>(longest));
+  this->Keep("result");
+  ASSERT_TRUE(this->Window->Result().IsOpen());
+  EXPECT_EQ(this->Window->ShownPage(), MainWindow::ResultsPage);
+  this->ClickMiddle("mammogram1");
+  EXPECT_THAT(this->Where(), testing::HasSubstr("LPS"));
+  this->Window->Result().AddPlace();
+  this->Window->ExportDisplacement(QString::fromStdString(this->Folder.File("field.nrrd")));
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  this->Window->ExportDicom(QString::fromStdString(this->Folder.File("objects")), true);
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  EXPECT_TRUE(std::filesystem::exists(this->Folder.File("field.nrrd")));
+  EXPECT_TRUE(std::filesystem::exists(this->Folder.File("objects/cc/report.dcm")));
+  this->Start();
+  this->Window->OpenPaths({ QString::fromStdString(this->ResultFolder) });
+  ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  EXPECT_EQ(this->Find<QListWidget>("places")->count(), 1);
 }
 }

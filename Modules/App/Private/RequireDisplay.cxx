@@ -13,7 +13,7 @@
 
 namespace mammoray
 {
-void RequireDisplay()
+void RequireDisplay(const std::string& command)
 {
   // Kept, since an X server without -noreset (xvfb-run's) starts again when its last client leaves,
   // and refuses the next one meanwhile.
@@ -22,8 +22,9 @@ void RequireDisplay()
   if (!display)
   {
     const char* name = std::getenv("DISPLAY");
-    throw InputError(name && *name ? "view: cannot open the display " + std::string(name)
-                                   : "view: expected a display, found none (DISPLAY is not set)");
+    throw InputError(command +
+      (name && *name ? ": cannot open the display " + std::string(name)
+                     : ": expected a display, found none (DISPLAY is not set)"));
   }
   int opcode = 0;
   int event = 0;
@@ -32,7 +33,7 @@ void RequireDisplay()
   kept = std::move(display);
   if (!openGl)
   {
-    throw InputError("view: the display has no OpenGL (GLX)");
+    throw InputError(command + ": the display has no OpenGL (GLX)");
   }
 }
 }

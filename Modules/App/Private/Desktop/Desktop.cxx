@@ -66,7 +66,7 @@ std::optional<std::array<double, 2>> NumbersOf(const QCommandLineParser& parser,
 
 int Run(int argc, char* argv[])
 {
-  RequireDisplay();
+  RequireDisplay("app");
   SetUpQt();
   QApplication application(argc, argv);
   QCommandLineParser parser;
@@ -126,7 +126,7 @@ int RunDesktop(int argc, char* argv[])
   }
   catch (const std::exception& error)
   {
-    std::fprintf(stderr, "mammoray app: %s\n", EscapeControls(error.what()).c_str());
+    std::fprintf(stderr, "mammoray: %s\n", EscapeControls(error.what()).c_str());
     return 1;
   }
 }

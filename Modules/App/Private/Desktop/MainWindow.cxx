@@ -132,6 +132,19 @@ void MainWindow::MakePages()
   this->Results->Complain = this->SceneView->Complain = this->Studies->Complain = complain;
   this->Results->Tell = this->SceneView->Tell = this->Studies->Tell = tell;
   this->Results->Changed = this->SceneView->Changed = changed;
+  this->Results->ToolChanged = [this](ViewTool tool)
+  {
+    this->SceneView->SetTool(tool);
+    this->Studies->SetTool(tool);
+  };
+  this->Results->FitWanted = [this]
+  {
+    this->SceneView->ResetViews();
+    this->Studies->ResetViews();
+  };
+  this->Results->GreyWanted = [this] { this->SceneView->ResetGrey(); };
+  this->Results->MammogramsWanted = [this]
+  { this->findChild<QAction*>("showMammograms")->trigger(); };
   this->Studies->Show = [this](int page) { this->ShowPage(static_cast<Page>(page)); };
   this->Studies->Finished =
     [this](const QString& folder, const std::vector<std::string>& mammograms)
@@ -320,7 +333,7 @@ void MainWindow::MakeViewMenu()
   }
   view->addSeparator();
   view->addActions(this->Results->ViewActions());
-  this->NeedResult << this->Results->ViewActions();
+  this->NeedResult << this->Results->ViewActions().mid(2); // the first two serve all pages
   view->addSeparator();
   this->ThemeActions = new QActionGroup(this);
   for (const auto& [name, text] : { std::pair{ "light", tr("&Light") }, { "dark", tr("&Dark") } })

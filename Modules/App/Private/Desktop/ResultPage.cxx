@@ -317,6 +317,10 @@ void ResultPage::MakePicture(QVBoxLayout* side)
   };
   connect(this->Comparison, QOverload<int>::of(&QComboBox::currentIndexChanged), this, compare);
   connect(this->Share, &QSlider::valueChanged, this, compare);
+  this->NoMammograms = new QPushButton(tr("&Show the real mammograms..."));
+  this->NoMammograms->setToolTip(tr("A result does not keep them"));
+  connect(this->NoMammograms, &QPushButton::clicked, this, [this] { this->MammogramsWanted(); });
+  form->addRow(this->NoMammograms);
   form->addRow(tr("Compare by"), this->Comparison);
   form->addRow(tr("Synthetic - real"), this->Share);
   this->Tissue = NewSlider("tissue", 28);
@@ -424,10 +428,12 @@ void ResultPage::MakeActions()
       {
         view->Refit();
       }
+      this->FitWanted();
     });
   add(this->ViewMenu, "resetGrey", tr("Reset &grey"), Qt::Key_G,
     [this]
     {
+      this->GreyWanted();
       if (!this->Result)
       {
         return;
@@ -521,6 +527,7 @@ void ResultPage::Attach(std::shared_ptr<OpenedResult> result)
   this->PictureViews[1]->setVisible(this->Result->Mammograms.size() > 1);
   const bool both = std::any_of(this->Result->Viewed.begin(), this->Result->Viewed.end(),
     [](const ViewedBreast& viewed) { return viewed.Real.has_value(); });
+  this->NoMammograms->setVisible(!both);
   this->Comparison->setEnabled(both);
   this->Share->setEnabled(both);
   this->AttachScene(this->RestView, *this->Result->AtRest, *this->Result->Mammograms.front());
@@ -655,6 +662,7 @@ void ResultPage::SetTool(ViewTool tool)
   {
     view->SetTool(tool);
   }
+  this->ToolChanged(tool);
 }
 
 /// One view alone, or all of them.

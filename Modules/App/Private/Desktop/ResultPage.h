@@ -68,6 +68,13 @@ public:
   std::function<void(const QString&)> Complain;
   std::function<void(const QString&)> Tell;
   std::function<void()> Changed;
+  /// Another tool was chosen.
+  std::function<void(ViewTool)> ToolChanged;
+  /// All views, or their grey, are to be as at the beginning.
+  std::function<void()> FitWanted;
+  std::function<void()> GreyWanted;
+  /// The user wants to show the mammograms of the result.
+  std::function<void()> MammogramsWanted;
 
 private:
   friend class MarksCommand;
@@ -128,6 +135,7 @@ private:
   QComboBox* Comparison = nullptr;
   QSlider* Share = nullptr;
   QSlider* Tissue = nullptr;
+  QPushButton* NoMammograms = nullptr;
   QComboBox* Unit = nullptr;
   QDoubleSpinBox* Thickness = nullptr;
   QDoubleSpinBox* Kilovoltage = nullptr;

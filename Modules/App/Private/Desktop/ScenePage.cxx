@@ -263,6 +263,21 @@ void ScenePage::Attach(std::shared_ptr<Scenery> scenery)
   }
 }
 
+void ScenePage::ResetViews()
+{
+  this->SetupView->Refit();
+  this->PictureView->Refit();
+}
+
+void ScenePage::ResetGrey()
+{
+  if (this->Opened)
+  {
+    this->Opened->Pane->ResetWindow();
+    this->PictureView->Redraw();
+  }
+}
+
 void ScenePage::ListParts()
 {
   this->Parts->setRowCount(0);

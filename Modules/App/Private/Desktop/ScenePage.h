@@ -46,6 +46,9 @@ public:
   void Expose(const QString& path);
   /// Writes the scene as it stands. Samples that were turned have no scene file.
   void SaveScene(const QString& path);
+  void SetTool(ViewTool tool) { this->PictureView->SetTool(tool); }
+  void ResetViews();
+  void ResetGrey();
 
   std::function<void(const QString&)> Complain;
   std::function<void(const QString&)> Tell;

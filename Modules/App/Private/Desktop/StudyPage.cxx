@@ -608,6 +608,7 @@ void StudyPages::DetachTissue()
     view->Fit = nullptr;
     view->BeforeDraw = nullptr;
     view->Scrolled = nullptr;
+    view->GreyDragged = nullptr;
     view->Clicked = nullptr;
   }
   this->Slices.reset();
@@ -647,6 +648,11 @@ void StudyPages::ShowTissue(std::shared_ptr<const StudyTissue> tissue)
       slices->Scroll(pane, steps);
       view->Redraw();
     };
+    view->GreyDragged = [slices, redraw](double factor, double share)
+    {
+      slices->Adjust(factor, share);
+      redraw();
+    };
     view->Clicked = [slices, pane, redraw](int x, int y)
     {
       slices->SetPoint(slices->Overlay(pane).WorldAt(x, y));
@@ -669,6 +675,22 @@ void StudyPages::ShowTissue(std::shared_ptr<const StudyTissue> tissue)
   this->TissueText->setStyleSheet(this->Segmented->Doubt.empty() ? QString() : WarningStyle);
   this->TissueText->setText(text.join("\n"));
   this->Edit->setEnabled(true);
+}
+
+void StudyPages::SetTool(ViewTool tool)
+{
+  for (ViewWidget* view : this->TissueViews)
+  {
+    view->SetTool(tool);
+  }
+}
+
+void StudyPages::ResetViews()
+{
+  for (ViewWidget* view : this->TissueViews)
+  {
+    view->Refit();
+  }
 }
 
 void StudyPages::SaveLabels(const QString& path)

@@ -53,6 +53,8 @@ public:
   void CheckTissue();
   void Run();
   void SaveLabels(const QString& path);
+  void SetTool(ViewTool tool);
+  void ResetViews();
   /// A case file for the command line. Throws InputError without a study.
   QString CaseText() const;
   const std::optional<StudyChoice>& Choice() const { return this->Chosen; }
