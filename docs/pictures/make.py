@@ -433,6 +433,26 @@ def draw_viewer(tools):
               "--size", 1500, 940, "--screenshot", here / "viewer.png", "--overwrite")
 
 
+def run_app(tools, *words):
+    """The desktop application on a screen of 96 dots per inch, with settings of its own."""
+    display = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1600x1000x24 -dpi 96"]
+    program = tools.programs / "mammoray-app"
+    settings = {**os.environ, "XDG_CONFIG_HOME": str(tools.work / "settings")}
+    subprocess.run([*display, program, *map(str, words)], check=True, cwd=tools.work, env=settings)
+
+
+@picture("app-result.png")
+def draw_app_result(tools):
+    run_app(tools, "--mammogram", root / "Data/victre-phantom-1/victre1_lcc_processing.dcm", "--pixel", "300,700", "--size", "1400,860",
+            "--screenshot", here / "app-result.png", tools.demo)
+
+
+@picture("app-scene.png")
+def draw_app_scene(tools):
+    (tools.work / "bearing.json").write_text(json.dumps(BEARING))
+    run_app(tools, "--size", "1200,720", "--screenshot", here / "app-scene.png", "bearing.json")
+
+
 @picture("paraview.png")
 def draw_paraview(tools):
     """By the ParaView of ./quickstart paraview, or the one that PVPYTHON names; it needs no plugin."""

@@ -42,7 +42,7 @@ void Task::Post(int run, std::function<void()> told)
     Qt::QueuedConnection);
 }
 
-ProgressCallback Task::Reporter(int run, std::stop_token stop)
+ProgressCallback Task::Reporter(int run, const std::stop_token& stop)
 {
   using Clock = std::chrono::steady_clock;
   auto last = std::make_shared<Clock::time_point>();
@@ -84,11 +84,11 @@ void Task::Start(Work work)
   const int run = ++this->Number;
   this->Running = true;
   this->Thread = std::jthread(
-    [this, run, work = std::move(work)](std::stop_token stop)
+    [this, run, work = std::move(work)](const std::stop_token& stop)
     {
       try
       {
-        const Outcome outcome = work(this->Reporter(run, std::move(stop)));
+        const Outcome outcome = work(this->Reporter(run, stop));
         this->Post(run, [this, outcome] { this->End(outcome); });
       }
       catch (const mammoray::Interrupted&)

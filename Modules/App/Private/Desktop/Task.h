@@ -45,7 +45,7 @@ public:
   std::function<void()> Ended;
 
 private:
-  ProgressCallback Reporter(int run, std::stop_token stop);
+  ProgressCallback Reporter(int run, const std::stop_token& stop);
   void Post(int run, std::function<void()> told);
   void End(const std::function<void()>& told);
 

@@ -158,6 +158,8 @@ std::array<int, 2> ViewWidget::PlaceOf(const QPoint& at) const
     static_cast<int>(std::lround((this->height() - 1 - at.y()) * ratio)) };
 }
 
+/// VTK is to see all but the mouse of pictures and slices, and keys: its own change styles and end
+/// programs.
 bool ViewWidget::event(QEvent* event)
 {
   switch (event->type())
@@ -166,17 +168,23 @@ bool ViewWidget::event(QEvent* event)
     case QEvent::MouseMove:
     case QEvent::MouseButtonRelease:
     case QEvent::MouseButtonDblClick:
-      return this->Shown == Kind::Scene ? this->SceneEvent(event) : QOpenGLWidget::event(event);
+      return this->Shown == Kind::Scene ? this->SceneEvent(event) : this->OwnEvent(event);
     case QEvent::Wheel:
       return this->Shown == Kind::Scene ? QVTKOpenGLNativeWidget::event(event)
-                                        : QOpenGLWidget::event(event);
+                                        : this->OwnEvent(event);
     case QEvent::KeyPress: // VTK's own keys change styles and end programs
     case QEvent::KeyRelease:
     case QEvent::ShortcutOverride:
-      return QOpenGLWidget::event(event);
+      return this->OwnEvent(event);
     default:
       return QVTKOpenGLNativeWidget::event(event);
   }
+}
+
+bool ViewWidget::OwnEvent(QEvent* event)
+{
+  // NOLINTNEXTLINE(bugprone-parent-virtual-call): what VTK would do with it is not wanted.
+  return QOpenGLWidget::event(event);
 }
 
 /// VTK turns the scene; what is grabbed and clicks are ours.

@@ -77,6 +77,7 @@ protected:
 
 private:
   bool SceneEvent(QEvent* event);
+  bool OwnEvent(QEvent* event);
   void Pan(const QPoint& from, const QPoint& to);
 
   Kind Shown;
