@@ -23,6 +23,7 @@
 #include <QTableWidget>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -164,7 +165,11 @@ QWidget* ScenePage::MakeSide()
     this->Source[axis] = this->AddNumber(form, names[axis], objects[axis], tr(" mm"));
     this->Source[axis]->setSingleStep(5);
   }
+  this->SpectrumPlot = new Plot("spectrum");
+  form->addRow(this->SpectrumPlot);
   side->addWidget(group);
+  this->Histogram = new Plot("histogram");
+  side->addWidget(this->Histogram);
   this->Seen =
     new QLabel(tr("Click in the picture to see what a pixel sees. Drag the yellow ball to move "
                   "the source."));
@@ -255,6 +260,8 @@ void ScenePage::Attach(std::shared_ptr<Scenery> scenery)
   this->Energy->setRange(opened->Live->EnergyRange()[0], opened->Live->EnergyRange()[1]);
   this->Energy->setValue(opened->Live->Energy());
   this->TellSource();
+  this->PlotSpectrum();
+  this->PlotHistogram();
   this->ListParts();
   this->findChild<QWidget*>("sceneSide")->setEnabled(true);
   if (this->Changed)
@@ -317,6 +324,37 @@ void ScenePage::TellSource()
   }
 }
 
+void ScenePage::PlotSpectrum()
+{
+  const Spectrum spectrum = this->Current().XRays;
+  this->SpectrumPlot->setVisible(spectrum.EnergiesKeV.size() > 1);
+  this->SpectrumPlot->SetCurve(spectrum.EnergiesKeV, spectrum.Weights, tr("photons, keV"));
+}
+
+/// Of the log attenuation where there is something in the beam.
+void ScenePage::PlotHistogram()
+{
+  constexpr std::size_t Bins = 100;
+  constexpr float Least = 1e-3F; // air
+  const std::vector<float>& values = this->Opened->Live->Project(1);
+  const auto most = values.empty() ? 0.0F : *std::max_element(values.begin(), values.end());
+  std::vector<double> edges(Bins);
+  std::vector<double> counts(Bins);
+  for (std::size_t bin = 0; bin < Bins; ++bin)
+  {
+    edges[bin] = most * static_cast<double>(bin) / (Bins - 1);
+  }
+  for (const float value : values)
+  {
+    if (value > Least)
+    {
+      counts[std::min(static_cast<std::size_t>(value / most * (Bins - 1)), Bins - 1)] += 1;
+    }
+  }
+  this->Histogram->SetCurve(most > Least ? edges : std::vector<double>(), counts,
+    tr("pixels by log attenuation"));
+}
+
 void ScenePage::ReadControls()
 {
   if (!this->Opened)
@@ -333,6 +371,7 @@ void ScenePage::ReadControls()
       this->Source[2]->value() };
     live.SetSourceOffset(asked - first.Position);
   }
+  this->PlotSpectrum();
   this->Moved();
 }
 
@@ -352,6 +391,10 @@ void ScenePage::Draw(int divisor)
   opened.Pane->Update(*opened.Live, divisor);
   opened.Pane->SetMark(this->Marked);
   opened.Samples->Update(*opened.Live, false);
+  if (divisor == 1)
+  {
+    this->PlotHistogram();
+  }
   if (this->Marked && divisor == 1)
   {
     const auto& [column, row] = *this->Marked;
@@ -428,6 +471,7 @@ void ScenePage::SaveScene(const QString& path)
     const auto set = [&description](const char* key, const std::vector<double>& values)
     {
       std::vector<std::string> texts;
+      texts.reserve(values.size());
       for (const double value : values)
       {
         texts.push_back(QString::number(value, 'g', 12).toStdString());

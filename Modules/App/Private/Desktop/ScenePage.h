@@ -2,6 +2,7 @@
 #ifndef mammoray_ScenePage_h
 #define mammoray_ScenePage_h
 
+#include "Private/Desktop/Plot.h"
 #include "Private/Desktop/Task.h"
 #include "Private/Desktop/ViewWidget.h"
 #include "Private/LiveProjection.h"
@@ -75,6 +76,8 @@ private:
   void ListParts();
   void ReadControls();
   void TellSource();
+  void PlotSpectrum();
+  void PlotHistogram();
   void Moved();
   void Draw(int divisor);
   Scene Current() const;
@@ -89,6 +92,8 @@ private:
   QDoubleSpinBox* Energy = nullptr;
   std::array<QDoubleSpinBox*, 3> Source{};
   QLabel* EnergyLabel = nullptr;
+  Plot* SpectrumPlot = nullptr;
+  Plot* Histogram = nullptr;
   QLabel* Seen = nullptr;
   QProgressBar* Progress = nullptr;
   QPushButton* Cancel = nullptr;
