@@ -21,18 +21,22 @@ namespace
 constexpr int Frames = 60;
 constexpr int LongestWaitMs = 300000;
 
-/// Handles events until `done`, and says whether it came to that.
+/// Handles events until `done`, which is not asked again; false if it took too long.
 template <typename Condition>
 bool Await(const Condition& done)
 {
   QElapsedTimer clock;
   clock.start();
-  while (!done() && clock.elapsed() < LongestWaitMs)
+  while (!done())
   {
+    if (clock.elapsed() > LongestWaitMs)
+    {
+      return false;
+    }
     QApplication::processEvents();
     QThread::msleep(1);
   }
-  return done();
+  return true;
 }
 
 int Refuse(const QString& complaint)
