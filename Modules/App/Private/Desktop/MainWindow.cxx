@@ -589,8 +589,8 @@ void MainWindow::ExportDicom(const QString& folder, bool samePatient)
             std::string place = staged;
             if (results.size() > 1)
             {
-              place +=
-                "/" + QFileInfo(QString::fromStdString(result.Folder)).fileName().toStdString();
+              place += '/';
+              place += QFileInfo(QString::fromStdString(result.Folder)).fileName().toStdString();
               QDir().mkpath(QString::fromStdString(place));
             }
             ResultObjects objects;
