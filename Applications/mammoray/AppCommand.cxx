@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "OutputFiles.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -49,6 +50,14 @@ void Declare(const OptionList& add, AppArguments& arguments)
 
 void Run(AppArguments& arguments)
 {
+  if (!arguments.Path.empty() && !std::filesystem::exists(arguments.Path))
+  {
+    throw InputError(arguments.Path + ": no such file or folder");
+  }
+  for (const std::string& file : arguments.Mammograms)
+  {
+    CheckInputFile(file);
+  }
   const std::filesystem::path program = FindDesktopProgram();
   if (program.empty())
   {

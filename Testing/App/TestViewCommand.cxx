@@ -269,6 +269,8 @@ TEST_F(ViewCommand, RefusesInOneLine)
     "material 'wall' is not in the material table 'VICTRE phantoms'");
   this->ExpectRefused(this->MeshArguments + " --screenshot " + this->Folder.File("view.gif"),
     "expected the extension .png");
+  this->ExpectRefused("app " + this->Folder.File("none"), "none: no such file or folder");
+  this->ExpectRefused("app --mammogram " + this->Folder.File("none.dcm"), "none.dcm: no such file");
   EXPECT_EQ(this->Run("view"), 2);
   EXPECT_EQ(this->Run(this->MeshArguments + " --blend 2"), 2);
   EXPECT_FALSE(std::filesystem::exists(this->Folder.File("view.png")));
