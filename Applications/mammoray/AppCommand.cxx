@@ -83,6 +83,7 @@ void Run(AppArguments& arguments)
     setenv("MAMMORAY_DEVICE", device.c_str(), 1);
   }
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words)
   {
     pointers.push_back(word.data());
