@@ -7,6 +7,7 @@
 
 #include "vtkActor.h"
 #include "vtkBillboardTextActor3D.h"
+#include "vtkCamera.h"
 #include "vtkCell.h"
 #include "vtkCellArray.h"
 #include "vtkCellPicker.h"
@@ -197,6 +198,19 @@ void BreastScene::AddPart(const std::vector<std::size_t>& triangles, double cell
   data->SetPoints(this->Points);
   data->SetPolys(cells);
   this->Parts.push_back({ AddActor(this->View, data, color, opacity), corners });
+}
+
+void BreastScene::LookFromFront(const VolumeFromGantry& placed, char laterality)
+{
+  const double side = laterality == 'R' ? -1 : 1;
+  const Vector3 from = placed.Direction({ 0.75 * side, 0.62, 0.22 });
+  vtkCamera* camera = this->View->GetActiveCamera();
+  camera->SetFocalPoint(0, 0, 0);
+  camera->SetPosition(from.data());
+  camera->SetViewUp(placed.Z.data());
+  this->View->ResetCamera();
+  camera->Zoom(1.25); // that fits the sphere around the scene, which is wider than it
+  this->View->ResetCameraClippingRange();
 }
 
 void BreastScene::AddLetters(const AnatomicalAxes& axes, const std::vector<double>& points)

@@ -21,6 +21,9 @@ class vtkTexture;
 
 namespace mammoray
 {
+/// Share of the way to the source at which it is drawn beside the breast.
+inline constexpr double NearSource = 0.18;
+
 /// A closed line in space.
 using Loop = std::vector<Vector3>;
 
@@ -46,6 +49,9 @@ public:
   void SetUnit(const LiveMammogram& live, vtkTexture* picture, double shownSource);
   /// Letters of the patient's directions around the breast at `points`.
   void AddLetters(const AnatomicalAxes& axes, const std::vector<double>& points);
+  /// Looks at the breast from the front, and a little from the lateral side and above, as a unit
+  /// that stands at `placed` has it. `laterality`: the breast's, 'L' or 'R'.
+  void LookFromFront(const VolumeFromGantry& placed, char laterality);
   /// Where the source is drawn.
   const Vector3& ShownSource() const { return this->SourceShown; }
   /// The middle of the picture on the receptor.

@@ -7,7 +7,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/RegistrationResult.h"
 
-#include "vtkCamera.h"
 #include "vtkTextActor.h"
 
 #include <algorithm>
@@ -231,19 +230,7 @@ void ViewerWindow::Activate(std::size_t active)
 void ViewerWindow::LookAt()
 {
   const auto look = [](BreastScene& scene, const ViewedUnit& unit)
-  {
-    const VolumeFromGantry placed = unit.Live.Placed();
-    const double side = unit.Viewed.Laterality == 'R' ? -1 : 1;
-    vtkRenderer* renderer = scene.Renderer();
-    const Vector3 from = placed.Direction({ 0.75 * side, 0.62, 0.22 });
-    vtkCamera* camera = renderer->GetActiveCamera();
-    camera->SetFocalPoint(0, 0, 0);
-    camera->SetPosition(from.data());
-    camera->SetViewUp(placed.Z.data());
-    renderer->ResetCamera();
-    camera->Zoom(1.25); // that fits the sphere around the scene, which is wider than it
-    renderer->ResetCameraClippingRange();
-  };
+  { scene.LookFromFront(unit.Live.Placed(), unit.Viewed.Laterality); };
   for (const auto& unit : this->Units)
   {
     look(unit->Squeezed, *unit);

@@ -23,9 +23,6 @@ class vtkTextActor;
 
 namespace mammoray
 {
-/// Share of the way to the source at which it is drawn beside the breast.
-inline constexpr double NearSource = 0.18;
-
 /// One mammogram with the unit that makes it: its picture, and the breast between its plates.
 struct ViewedUnit
 {

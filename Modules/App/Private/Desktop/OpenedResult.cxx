@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Desktop/OpenedResult.h"
 
-#include "mammoray/Foundation/Error.h"
-
-#include "vtkCamera.h"
-#include "vtkRenderer.h"
-
 namespace mammoray
 {
-namespace
-{
-/// Share of the way to the source at which it is drawn beside the breast.
-constexpr double DrawnSource = 0.18;
-}
-
 OpenedMammogram::OpenedMammogram(const ViewedBreast& viewed, const ProjectorOptions& projector)
   : Viewed(viewed)
   , Live(viewed, projector)
@@ -29,7 +18,7 @@ OpenedMammogram::OpenedMammogram(const ViewedBreast& viewed, const ProjectorOpti
   this->OnReceptor->InterpolateOn();
   this->Squeezed.SetPoints(this->Live.Points());
   this->Squeezed.AddLetters(viewed.Axes, this->Live.Points());
-  this->Squeezed.SetUnit(this->Live, this->OnReceptor, DrawnSource);
+  this->Squeezed.SetUnit(this->Live, this->OnReceptor, NearSource);
 }
 
 OpenedResult::OpenedResult(const ViewInput& input, const ProjectorOptions& projector,
@@ -62,9 +51,9 @@ OpenedResult::OpenedResult(const ViewInput& input, const ProjectorOptions& proje
     const std::string& name = mammogram->Viewed.View;
     this->Mark->Add({ name.empty() ? "" : name + ": ", &mammogram->Live, &mammogram->Squeezed,
       &mammogram->Pane });
-    LookAtBreast(mammogram->Squeezed, *mammogram);
+    mammogram->LookAt(mammogram->Squeezed);
   }
-  LookAtBreast(*this->AtRest, *this->Mammograms.front());
+  this->Mammograms.front()->LookAt(*this->AtRest);
   if (!input.Result.empty())
   {
     const std::vector<ResultFile> files = ReadResultFiles(input.Result);
@@ -75,20 +64,5 @@ OpenedResult::OpenedResult(const ViewInput& input, const ProjectorOptions& proje
   }
   ReportProgress(progress, 0.9, "prepare the marks");
   this->Mark->Update(); // finds the breasts that marks are looked for in
-}
-
-void LookAtBreast(BreastScene& scene, const OpenedMammogram& mammogram)
-{
-  const VolumeFromGantry placed = mammogram.Live.Placed();
-  const double side = mammogram.Viewed.Laterality == 'R' ? -1 : 1;
-  const Vector3 from = placed.Direction({ 0.75 * side, 0.62, 0.22 });
-  vtkRenderer* renderer = scene.Renderer();
-  vtkCamera* camera = renderer->GetActiveCamera();
-  camera->SetFocalPoint(0, 0, 0);
-  camera->SetPosition(from.data());
-  camera->SetViewUp(placed.Z.data());
-  renderer->ResetCamera();
-  camera->Zoom(1.25); // that fits the sphere around the scene, which is wider than it
-  renderer->ResetCameraClippingRange();
 }
 }

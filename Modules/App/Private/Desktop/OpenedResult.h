@@ -25,6 +25,12 @@ struct OpenedMammogram
 {
   OpenedMammogram(const ViewedBreast& viewed, const ProjectorOptions& projector);
 
+  /// Points the camera of a scene with this breast at it.
+  void LookAt(BreastScene& scene) const
+  {
+    scene.LookFromFront(this->Live.Placed(), this->Viewed.Laterality);
+  }
+
   const ViewedBreast& Viewed;
   LiveMammogram Live;
   CompressionWorker Worker;
@@ -50,9 +56,6 @@ struct OpenedResult
   std::unique_ptr<SlicePanes> Slices;
   std::unique_ptr<BreastMark> Mark;
 };
-
-/// A camera in front of the breast, a little from the side and above.
-void LookAtBreast(BreastScene& scene, const OpenedMammogram& mammogram);
 }
 
 #endif

@@ -601,7 +601,7 @@ void ResultPage::AttachMammogram(std::size_t index)
 
 void ResultPage::AttachScene(ViewWidget* view, BreastScene& scene, const OpenedMammogram& mammogram)
 {
-  view->Fit = [&scene, &mammogram] { LookAtBreast(scene, mammogram); };
+  view->Fit = [&scene, &mammogram] { mammogram.LookAt(scene); };
   view->Clicked = [this, &scene, &mammogram](int x, int y)
   {
     Vector3 point;
