@@ -34,7 +34,7 @@ void AddRegisterCommand(CLI::App& application);
 /// Says that it is not there where there is no Segmentation module.
 void AddSegmentCommand(CLI::App& application);
 void AddSendCommand(CLI::App& application);
-/// Only where there is the Viewer module.
+/// Only where there is the App module.
 void AddViewCommand(CLI::App& application);
 }
 

@@ -3,15 +3,16 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ResultNotes.h"
+#include "SceneOptions.h"
 #include "SharedOptions.h"
-#include "SurfaceView.h"
-#include "mammoray/App/BreastViewer.h"
+#include "mammoray/App/Pictures.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/OverlapMeasure.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 namespace mammoray
 {
@@ -25,13 +26,10 @@ struct ViewArguments
   /// A single energy in place of a spectrum.
   std::optional<double> EnergyKeV;
   const mammoray::Command* Command = nullptr;
-  ViewerOptions Viewer;
+  PictureOptions Picture;
   std::array<int, 2> Size{ 1280, 800 };
   std::optional<Vector3> Source;
-  std::optional<Vector3> Point;
-  std::optional<std::array<double, 2>> Pixel;
   std::string Screenshot;
-  std::optional<int> BenchmarkFrames;
 };
 
 void DeclareInput(const OptionList& add, ViewArguments& arguments)
@@ -40,8 +38,8 @@ void DeclareInput(const OptionList& add, ViewArguments& arguments)
   const OptionList what = add.OneOf("What to look at, one of");
   what(Shared::Result, input.Result);
   what.File("--mesh", input.Mesh,
-    "tetrahedra (.vtu .vtk .msh), or a series of 'mammoray compress' (.pvd) that the thickness "
-    "slider goes through\n(cell array Material: those of the material table)");
+    "tetrahedra (.vtu .vtk .msh), or a series of 'mammoray compress' (.pvd) of which --thickness "
+    "picks a step, or a place between two\n(cell array Material: those of the material table)");
   what(Shared::Surface, arguments.Surfaces.Surfaces);
   what(Shared::Scene, arguments.Surfaces.File);
   AddUnitOption(add, arguments.Surfaces.Unit);
@@ -68,99 +66,49 @@ void Declare(const OptionList& add, ViewArguments& arguments)
 {
   arguments.Command = &add.App();
   DeclareInput(add, arguments);
-  add(Shared::Point, arguments.Point);
-  add(Shared::Pixel, arguments.Pixel);
-  add("--screenshot", arguments.Screenshot,
-    "write the window's picture there (.png) and stop; nothing is shown");
+  add(Shared::Point, arguments.Picture.Point);
+  add(Shared::Pixel, arguments.Picture.Pixel);
+  add("--screenshot", arguments.Screenshot, "picture to write (.png); required");
   const OptionList expert = add.Expert();
-  expert("--blend", arguments.Viewer.Blend, Between(0, 1), "share of the target at the beginning");
-  expert("--kvp", arguments.Viewer.Kilovoltage, "kV",
-    "tube voltage at the beginning\n(photon energy, keV, where it is a single one; default: the "
-    "spectrum's)");
+  expert("--blend", arguments.Picture.Blend, Between(0, 1), "share of the real mammogram");
+  expert("--kvp", arguments.Picture.Energy, "kV",
+    "tube voltage\n(photon energy, keV, where it is a single one; default: the spectrum's)");
   expert.Numbers("--source", arguments.Source, "X Y Z",
-    "of the source beside its place at the beginning, mm\n(gantry x, y and z; of surfaces: of "
-    "their scene)");
-  expert.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels",
+    "of the source beside its place, mm\n(gantry x, y and z; of surfaces: of their scene)");
+  expert.Numbers("--size", arguments.Size, "W H", "width and height of the picture, pixels",
     Between(400, 8192));
-  expert("--benchmark", arguments.BenchmarkFrames, Between(1, 100000),
-    "move source, then paddle, for so many frames, print the rates, and stop");
 }
 
-ViewerOptions ToViewerOptions(const ViewArguments& arguments)
+PictureOptions ToPictureOptions(const ViewArguments& arguments)
 {
-  ViewerOptions options = arguments.Viewer;
+  PictureOptions options = arguments.Picture;
   options.Projector = Program().Projector;
-  options.OffScreen = !arguments.Screenshot.empty() || arguments.BenchmarkFrames;
   options.Stop = InterruptRequested;
-  if (!options.OffScreen)
-  {
-    options.Marked = [](const std::string& found)
-    {
-      std::printf("%s\n", found.c_str());
-      std::fflush(stdout);
-    };
-  }
   options.SourceOffset = arguments.Source.value_or(options.SourceOffset);
   options.Width = arguments.Size[0];
   options.Height = arguments.Size[1];
   return options;
 }
 
-/// Runs what the options request of either viewer.
-template <typename Viewer>
-void Show(const ViewArguments& arguments, Viewer& viewer, const char* moves)
-{
-  if (arguments.BenchmarkFrames)
-  {
-    std::printf("%.1f frames per second at half resolution while the %s (%d frames)\n",
-      viewer.Benchmark(*arguments.BenchmarkFrames), moves, *arguments.BenchmarkFrames);
-  }
-  if (!arguments.Screenshot.empty())
-  {
-    viewer.WriteScreenshot(arguments.Screenshot);
-    std::printf("%swrote %s\n", viewer.Status().empty() ? "" : (viewer.Status() + "\n").c_str(),
-      arguments.Screenshot.c_str());
-  }
-  else if (!arguments.BenchmarkFrames)
-  {
-    viewer.Run();
-  }
-}
-
-void RunBreast(const ViewArguments& arguments)
+std::string DrawBreast(const ViewArguments& arguments)
 {
   if (arguments.EnergyKeV)
   {
     throw InputError("--kev: expected --surface or --scene beside it, found neither");
   }
-  const std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
+  std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
   for (const ViewedBreast& one : viewed)
   {
     WarnOfDistrust((std::filesystem::path(arguments.Input.Result) / one.View).string(), one.Trust);
   }
-  BreastViewer viewer(viewed, ToViewerOptions(arguments));
-  const bool marked = (!arguments.Point || viewer.MarkPoint(*arguments.Point)) &&
-    (!arguments.Pixel || viewer.MarkPixel((*arguments.Pixel)[0], (*arguments.Pixel)[1]));
-  if (!marked)
-  {
-    throw InputError(viewer.Message());
-  }
-  Show(arguments, viewer, "source moves");
-  if (const auto motion = arguments.BenchmarkFrames
-      ? viewer.BenchmarkPaddle(*arguments.BenchmarkFrames)
-      : std::nullopt)
-  {
-    std::printf("%.1f equilibria per second while the paddle moves, from those of both ends; the "
-                "exact one after %.2f s, %.2f mm from what was shown (median; 95 %%: %.2f)\n",
-      motion->PerSecond, motion->ExactSeconds, motion->MedianMm, motion->PercentileMm95);
-  }
+  return WriteBreastPicture(std::move(viewed), ToPictureOptions(arguments), arguments.Screenshot);
 }
 
 /// Refuses what is of breasts only.
 void CheckSurfaceOptions(const Command& command)
 {
   const std::vector<std::string> known{ "surface", "scene", "materials", "spectrum", "kev", "kvp",
-    "source", "pixel", "size", "screenshot", "benchmark" };
+    "source", "pixel", "size", "screenshot" };
   for (const Declaration& declaration : command.Declarations)
   {
     const std::string name = declaration.Name();
@@ -172,10 +120,9 @@ void CheckSurfaceOptions(const Command& command)
   }
 }
 
-void RunSurfaces(const ViewArguments& arguments)
+std::string DrawSurfaces(const ViewArguments& arguments)
 {
   CheckSurfaceOptions(*arguments.Command);
-  const ViewerOptions options = ToViewerOptions(arguments);
   SceneArguments surfaces = arguments.Surfaces;
   // Options that mean the same for a breast.
   for (const auto& [key, option] : { std::pair("beam.spectrum", "--spectrum"),
@@ -186,13 +133,12 @@ void RunSurfaces(const ViewArguments& arguments)
       surfaces.Settings.push_back({ option, key, given->results() });
     }
   }
-  const ViewedScene viewed = ReadViewedScene(surfaces);
-  const Scene& scene = viewed.Scene;
+  const Scene scene =
+    LoadPlacedScene(ReadSceneArguments(surfaces), surfaces.File.empty() ? "view" : surfaces.File);
   if (scene.OverlapPriority.empty())
   {
-    const std::string overlap =
-      MeasureOverlap(*scene.Samples.front().Surface, scene.Source, scene.Detector)
-        .Warning(scene.Materials.Names());
+    const std::string overlap = MeasureOverlap(*Assemble(scene), scene.Source, scene.Detector)
+                                  .Warning(scene.Materials.Names());
     if (!overlap.empty())
     {
       std::fprintf(stderr,
@@ -200,31 +146,32 @@ void RunSurfaces(const ViewArguments& arguments)
         overlap.c_str());
     }
   }
-  SurfaceViewer viewer(viewed, options);
-  if (arguments.Pixel && !viewer.MarkPixel((*arguments.Pixel)[0], (*arguments.Pixel)[1]))
-  {
-    throw InputError("--pixel: " + viewer.Message());
-  }
-  Show(arguments, viewer, "samples turn");
+  return WriteScenePicture(scene, ToPictureOptions(arguments), arguments.Screenshot);
 }
 
 void Run(ViewArguments& arguments)
 {
+  if (arguments.Screenshot.empty())
+  {
+    throw InputError("view: expected --screenshot; 'mammoray app' opens a window");
+  }
   Program().ApplyTo(arguments.Input.Labels);
   CheckPictureFile(arguments.Screenshot);
   const bool hasBreast = arguments.Surfaces.Surfaces.empty() && arguments.Surfaces.File.empty();
-  hasBreast ? RunBreast(arguments) : RunSurfaces(arguments);
+  const std::string found = hasBreast ? DrawBreast(arguments) : DrawSurfaces(arguments);
+  std::printf("%s%swrote %s\n", found.c_str(), found.empty() ? "" : "\n",
+    arguments.Screenshot.c_str());
 }
 }
 
 void AddViewCommand(CLI::App& application)
 {
   AddCommand<ViewArguments>(application, "view",
-    "A window on a breast between the plates, its live synthetic mammogram and the target; or on "
-    "surfaces that turn before a source and a detector, and their live X-ray.\n"
-    "Sliders for thickness, roll, tube voltage and the blend of both; the yellow ball is the X-ray "
-    "source. Positions are mm in the frame of the mesh.\n" +
-      ViewerHelpText() + "\nOf surfaces:\n" + SurfaceViewerHelpText(),
-    "view --result result", Declare, Run);
+    "A picture of a breast between the plates and at rest, of slices of its MRI, and of its "
+    "synthetic mammogram with the real one; or of surfaces before a source and a detector, and "
+    "their X-ray.\n"
+    "What is marked is shown in all views and printed. Positions are mm in the frame of the mesh. "
+    "'mammoray app' shows results and scenes in a window.",
+    "view --result result --screenshot view.png", Declare, Run);
 }
 }

@@ -48,22 +48,6 @@ std::vector<double> PointsOf(vtkUnstructuredGrid* grid)
   return points;
 }
 
-/// The grid with other points, its arrays shared.
-vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
-  const std::vector<double>& points)
-{
-  auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  moved->ShallowCopy(grid);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfComponents(3);
-  values->SetNumberOfTuples(grid->GetNumberOfPoints());
-  std::copy(points.begin(), points.end(), values->GetPointer(0));
-  vtkNew<vtkPoints> holder;
-  holder->SetData(values);
-  moved->SetPoints(holder);
-  return moved;
-}
-
 /// A shipped table is known by its checksum; any other must be named.
 MaterialTable TableOf(const ResultFile& result, const std::string& named)
 {
@@ -94,6 +78,7 @@ ViewedBreast ReadResult(const ViewInput& input, const ResultFile& result)
   ViewedBreast viewed;
   viewed.Breast = ReadBreastInUnit(result);
   viewed.Trust = result.Trust;
+  viewed.Expected = result.Expected;
   viewed.Materials = TableOf(result, input.Materials);
   viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? result.Spectrum : input.Spectrum);
   viewed.Pose = result.Pose;
@@ -325,6 +310,21 @@ void Complete(const ViewInput& input, ViewedBreast& viewed)
     viewed.Mechanics.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
   }
 }
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
+  const std::vector<double>& points)
+{
+  auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  moved->ShallowCopy(grid);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(grid->GetNumberOfPoints());
+  std::copy(points.begin(), points.end(), values->GetPointer(0));
+  vtkNew<vtkPoints> holder;
+  holder->SetData(values);
+  moved->SetPoints(holder);
+  return moved;
 }
 
 std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input)

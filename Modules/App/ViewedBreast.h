@@ -63,10 +63,10 @@ struct CompressionStep
   std::vector<double> Points;
 };
 
-/// Everything that a viewer needs to know of a breast in one unit.
+/// What the views of a breast in one unit need to know.
 struct ViewedBreast
 {
-  /// For titles.
+  /// The path of what was read, for messages.
   std::string Name;
   /// "cc", of several mammograms; empty: there is one.
   std::string View;
@@ -90,12 +90,17 @@ struct ViewedBreast
   std::optional<RegistrationTarget> Real;
   /// Known states, by falling thickness; mostly none.
   std::vector<CompressionStep> Series;
-  /// How far the registration may be relied on; good where there is none.
+  /// How far the registration may be relied on; good, and nothing expected, where there is none.
   Assessment Trust;
+  std::optional<ExpectedError> Expected;
   /// The pose asked for is not that of the compressed points.
   bool PoseDiffers = false;
   BreastModelOptions Mechanics;
 };
+
+/// The grid with other points, 3 x pointCount, its arrays shared.
+MAMMORAYAPP_EXPORT vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
+  const std::vector<double>& points);
 
 /// Reads it: of a joint result one for each mammogram, in its order, else one. Throws InputError,
 /// one line, on anything unusable.

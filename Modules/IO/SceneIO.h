@@ -217,6 +217,12 @@ MAMMORAYIO_EXPORT Scene MakeScene(SceneDescription description);
 /// ReadSurfaces, then MakeScene.
 MAMMORAYIO_EXPORT Scene LoadScene(SceneDescription description);
 
+/// LoadScene of a scene to look at: where neither source nor detector has a place, they stand
+/// around the samples (PlaceAround), with 512 x 512 pixels. Throws InputError, which begins with
+/// `name`, where only one of them has, and without samples.
+MAMMORAYIO_EXPORT Scene LoadPlacedScene(const SceneDescription& description,
+  const std::string& name);
+
 /// Reads and loads a scene that is complete: it has samples, a source and a detector. Its dose,
 /// which needs voxels, is not asked for. Throws InputError where something is missing.
 MAMMORAYIO_EXPORT Scene LoadScene(const std::string& path);

@@ -69,6 +69,25 @@ Scene LoadScene(SceneDescription description)
   return MakeScene(std::move(description));
 }
 
+Scene LoadPlacedScene(const SceneDescription& description, const std::string& name)
+{
+  if (description.HasSource() != description.HasDetector())
+  {
+    throw InputError(name + ": expected both source and detector, or neither, to look at");
+  }
+  if (description.Samples.empty() && description.Mesh.empty())
+  {
+    throw InputError(name + ": expected samples to look at, found none");
+  }
+  Scene scene = LoadScene(description);
+  if (!description.HasSource())
+  {
+    scene.Detector.Columns = scene.Detector.Rows = 512;
+    PlaceAround(scene);
+  }
+  return scene;
+}
+
 Scene LoadScene(const std::string& path)
 {
   const SceneDescription description = ReadScene(path);

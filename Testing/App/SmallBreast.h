@@ -17,6 +17,7 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 namespace mammoray::test
@@ -59,6 +60,17 @@ inline ViewInput WriteSmallBreast(const test::TemporaryFolder& folder)
   input.Orientation = "LAS";
   input.PixelSpacingMm = 0.5;
   return input;
+}
+
+/// A volume around the small breast whose grey is its x.
+inline std::shared_ptr<IntensityVolume> Ramp()
+{
+  auto volume = std::make_shared<IntensityVolume>();
+  volume->Size = { 60, 40, 60 };
+  volume->Spacing = { 2, 2, 2 };
+  volume->Origin = { -60, -20, -60 };
+  volume->ForEachVoxel([&](int i, int, int, std::size_t) { volume->Voxels.push_back(i); });
+  return volume;
 }
 
 /// A folder as 'mammoray register' writes it: the breast squeezed to 0.7 of its height. Its table

@@ -5,9 +5,11 @@
 #include "SurfaceShapes.h"
 #include "VirtualDisplay.h"
 #include "mammoray/App/Private/Desktop/MainWindow.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshIO.h"
 
 #include "vtkPolyData.h"
+#include "vtkRenderer.h"
 
 #include <QApplication>
 #include <QComboBox>
@@ -17,12 +19,14 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
+#include <QMouseEvent>
 #include <QPushButton>
 #include <QSettings>
 #include <QSurfaceFormat>
 #include <QTableWidget>
 #include <QTest>
 #include <QTimer>
+#include <QWheelEvent>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -196,6 +200,83 @@ TEST_F(Desktop, SqueezesTheBreastAnew)
   auto* told = this->Find<QLabel>("equilibrium");
   EXPECT_TRUE(this->Await([told] { return told->text().contains("solved in"); }))
     << told->text().toStdString() << this->Window->Complaint().toStdString();
+}
+
+TEST_F(Desktop, GoesThroughSlicesAndChangesTheirGrey)
+{
+  this->ResultFolder = test::WriteSmallResult(this->Folder);
+  WriteIntensityVolume(*test::Ramp(), this->ResultFolder + "/mri.nrrd");
+  this->OpenResult();
+  ViewWidget* view = this->Window->Result().View("sagittal");
+  const QPoint middle = view->rect().center();
+  const auto grey = [&]
+  {
+    view->Draw();
+    return qGray(view->grabFramebuffer().pixel(middle));
+  };
+  const auto mouse = [&](QEvent::Type type, const QPoint& at)
+  {
+    QMouseEvent event(type, at, Qt::LeftButton, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(view, &event);
+  };
+  const int first = grey();
+  QWheelEvent wheel(middle, view->mapToGlobal(middle), {}, { 0, 10 * 120 }, Qt::NoButton,
+    Qt::NoModifier, Qt::NoScrollPhase, false);
+  QApplication::sendEvent(view, &wheel);
+  const int scrolled = grey();
+  // The sagittal slice shows one x; towards the patient's right by 10 voxels of 59.
+  EXPECT_NEAR(first - scrolled, 255 * 10 / 59.0, 2);
+  QTest::keyClick(this->Window.get(), Qt::Key_L);
+  mouse(QEvent::MouseButtonPress, middle);
+  mouse(QEvent::MouseMove, middle - QPoint(0, 30));
+  mouse(QEvent::MouseButtonRelease, middle - QPoint(0, 30));
+  EXPECT_GT(grey(), scrolled + 10); // up is brighter
+  QTest::keyClick(this->Window.get(), Qt::Key_G);
+  EXPECT_EQ(grey(), scrolled);
+}
+
+TEST_F(Desktop, MovesTheSourceOfAMammogram)
+{
+  this->OpenResult();
+  ViewWidget* view = this->Window->Result().View("squeezed");
+  view->Draw();
+  OpenedMammogram& opened = *this->Window->Result().Opened()->Mammograms.front();
+  vtkRenderer* renderer = opened.Squeezed.Renderer();
+  const Vector3& source = opened.Squeezed.ShownSource();
+  renderer->SetWorldPoint(source[0], source[1], source[2], 1);
+  renderer->WorldToDisplay();
+  const QPoint ball(static_cast<int>(renderer->GetDisplayPoint()[0]),
+    view->height() - 1 - static_cast<int>(renderer->GetDisplayPoint()[1]));
+  QTest::mousePress(view, Qt::LeftButton, {}, ball);
+  QMouseEvent move(QEvent::MouseMove, ball + QPoint(30, 0), Qt::NoButton, Qt::LeftButton,
+    Qt::NoModifier);
+  QApplication::sendEvent(view, &move);
+  QTest::mouseRelease(view, Qt::LeftButton, {}, ball + QPoint(30, 0));
+  EXPECT_GT(Norm(opened.Live.SourceOffset()), 30);
+  EXPECT_FALSE(this->Find<QLabel>("source")->text().startsWith("0, 0, 0"));
+  QTest::mouseClick(this->Find<QPushButton>("sourceBack"), Qt::LeftButton);
+  EXPECT_EQ(Norm(opened.Live.SourceOffset()), 0);
+  EXPECT_TRUE(this->Find<QLabel>("source")->text().startsWith("0, 0, 0"));
+}
+
+TEST_F(Desktop, ImportsLesions)
+{
+  this->OpenResult();
+  LabelVolume lesions;
+  lesions.Size = { 1, 1, 1 };
+  lesions.Spacing = { 2, 2, 2 };
+  lesions.Origin = { 5, 20, 3 };
+  lesions.Voxels = { 4 };
+  const std::string file = this->Folder.File("lesions.nrrd");
+  WriteLabelVolume(lesions, file);
+  this->Window->Result().ImportPlaces(QString::fromStdString(file));
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  auto* places = this->Find<QListWidget>("places");
+  ASSERT_EQ(places->count(), 1);
+  EXPECT_EQ(places->item(0)->text(), "Lesion 4, 8 mm3");
+  QTest::mouseClick(places->viewport(), Qt::LeftButton, {},
+    places->visualItemRect(places->item(0)).center());
+  EXPECT_THAT(this->Where(), testing::HasSubstr("(5.0, 20.0, 3.0) mm in gland"));
 }
 
 TEST_F(Desktop, TakesAnotherSeriesByHand)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastMark.h"
 
+#include "Private/OpenedResult.h"
 #include "mammoray/Study/RegisteredBreast.h"
 
 #include <algorithm>
@@ -77,6 +78,17 @@ UncertaintyLoops LoopsAround(const LiveMammogram& live, const Vector3& rest,
 }
 }
 
+BreastMark::BreastMark(BreastScene& atRest,
+  const std::vector<std::unique_ptr<OpenedMammogram>>& mammograms)
+  : AtRest(atRest)
+  , Mammograms(mammograms)
+{
+  for (const auto& mammogram : mammograms)
+  {
+    this->Breast(*mammogram); // so that the first mark need not wait for it
+  }
+}
+
 void BreastMark::Set(const Vector3& point)
 {
   this->Point = point;
@@ -96,12 +108,12 @@ void BreastMark::Clear()
   this->Pixel.reset();
 }
 
-const RegisteredBreast& BreastMark::Breast(const MarkedMammogram& mammogram)
+const RegisteredBreast& BreastMark::Breast(const OpenedMammogram& mammogram)
 {
-  std::shared_ptr<const RegisteredBreast>& known = this->Breasts[mammogram.Live];
+  std::shared_ptr<const RegisteredBreast>& known = this->Breasts[&mammogram];
   if (!known)
   {
-    known = std::make_shared<const RegisteredBreast>(mammogram.Live->InUnit());
+    known = std::make_shared<const RegisteredBreast>(mammogram.Live.InUnit());
   }
   return *known;
 }
@@ -143,18 +155,20 @@ void BreastMark::Update(bool moved)
 void BreastMark::DrawNothing()
 {
   this->DrawAtRest({}, {}, {});
-  for (const MarkedMammogram& mammogram : this->Mammograms)
+  for (const auto& each : this->Mammograms)
   {
-    mammogram.Squeezed->SetMark({}, {}, {});
-    mammogram.Pane->SetMark({}, {});
+    OpenedMammogram& mammogram = *each;
+    mammogram.Squeezed.SetMark({}, {}, {});
+    mammogram.Pane.SetMark({}, {});
   }
 }
 
 void BreastMark::UpdatePoint()
 {
   char text[240];
-  for (const MarkedMammogram& mammogram : this->Mammograms)
+  for (const auto& each : this->Mammograms)
   {
+    OpenedMammogram& mammogram = *each;
     const RegisteredBreast& breast = this->Breast(mammogram);
     const ImagedPoint imaged = breast.ToMammogram(*this->Point);
     if (this->Found.empty())
@@ -163,14 +177,14 @@ void BreastMark::UpdatePoint()
         (*this->Point)[1], (*this->Point)[2], imaged.Material.c_str());
       this->Found = text;
     }
-    std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f)%s, %s", mammogram.Prefix.c_str(),
+    std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f)%s, %s", mammogram.Prefix().c_str(),
       imaged.Column, imaged.Row, imaged.InImage ? "" : ", beside the picture",
       UncertaintyText(imaged.Uncertainty).c_str());
     this->Found += "\n";
     this->Found += text;
-    const UncertaintyLoops loops = LoopsAround(*mammogram.Live, *this->Point, imaged);
-    mammogram.Squeezed->SetMark({ imaged.Compressed }, { imaged.Compressed }, loops.Compressed);
-    mammogram.Pane->SetMark({ mammogram.Live->Grid(1).PositionOf(imaged.Column, imaged.Row) },
+    const UncertaintyLoops loops = LoopsAround(mammogram.Live, *this->Point, imaged);
+    mammogram.Squeezed.SetMark({ imaged.Compressed }, { imaged.Compressed }, loops.Compressed);
+    mammogram.Pane.SetMark({ mammogram.Live.Grid(1).PositionOf(imaged.Column, imaged.Row) },
       loops.Receptor);
     this->DrawAtRest({ *this->Point }, { *this->Point }, loops.Rest);
   }
@@ -180,12 +194,12 @@ void BreastMark::UpdatePoint()
 /// The tissues along the X-ray; the uncertainty in its middle.
 void BreastMark::UpdatePixel()
 {
-  const MarkedMammogram& marked = this->Mammograms[this->PixelOf];
+  OpenedMammogram& marked = *this->Mammograms[this->PixelOf];
   const auto [column, row] = *this->Pixel;
   const RegisteredBreast& breast = this->Breast(marked);
   const std::vector<RaySegment> stretches = breast.ToVolume(column, row, 1.0);
   char text[240];
-  std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f): ", marked.Prefix.c_str(), column, row);
+  std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f): ", marked.Prefix().c_str(), column, row);
   this->Found = text;
   std::map<std::string, double> lengths;
   std::vector<Vector3> curve;
@@ -198,7 +212,7 @@ void BreastMark::UpdatePixel()
   {
     this->Found += "the X-ray misses the breast";
     this->DrawNothing();
-    marked.Pane->SetMark({ marked.Live->Grid(1).PositionOf(column, row) }, {});
+    marked.Pane.SetMark({ marked.Live.Grid(1).PositionOf(column, row) }, {});
     return;
   }
   for (const auto& [material, length] : lengths)
@@ -211,8 +225,9 @@ void BreastMark::UpdatePixel()
   this->Centre = curve[curve.size() / 2];
   this->Found += '\n';
   this->Found += UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
-  for (const MarkedMammogram& mammogram : this->Mammograms)
+  for (const auto& each : this->Mammograms)
   {
+    OpenedMammogram& mammogram = *each;
     if (&mammogram == &marked)
     {
       this->DrawLine(mammogram, breast, places, true);
@@ -225,7 +240,7 @@ void BreastMark::UpdatePixel()
 }
 
 /// Points of the breast at rest, along the ray of a pixel of this mammogram or of another.
-void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBreast& breast,
+void BreastMark::DrawLine(OpenedMammogram& mammogram, const RegisteredBreast& breast,
   const std::vector<Vector3>& places, bool ofPixel)
 {
   std::vector<Vector3> squeezed;
@@ -237,8 +252,8 @@ void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBrea
   {
     const ImagedPoint imaged = breast.ToMammogram(places[index]);
     squeezed.push_back(imaged.Compressed);
-    seen.push_back(mammogram.Live->Grid(1).PositionOf(imaged.Column, imaged.Row));
-    const UncertaintyLoops loops = LoopsAround(*mammogram.Live, places[index], imaged);
+    seen.push_back(mammogram.Live.Grid(1).PositionOf(imaged.Column, imaged.Row));
+    const UncertaintyLoops loops = LoopsAround(mammogram.Live, places[index], imaged);
     squeezedLoops.insert(squeezedLoops.end(), loops.Compressed.begin(), loops.Compressed.end());
     restLoops.insert(restLoops.end(), loops.Rest.begin(), loops.Rest.end());
     if (index == places.size() / 2)
@@ -246,18 +261,18 @@ void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBrea
       receptorLoops = loops.Receptor;
     }
   }
-  mammogram.Squeezed->SetMark({}, squeezed, squeezedLoops);
+  mammogram.Squeezed.SetMark({}, squeezed, squeezedLoops);
   if (ofPixel)
   {
-    const ReceptorGrid& grid = mammogram.Live->Grid(1);
-    mammogram.Pane->SetMark({ grid.PositionOf((*this->Pixel)[0], (*this->Pixel)[1]) },
+    const ReceptorGrid& grid = mammogram.Live.Grid(1);
+    mammogram.Pane.SetMark({ grid.PositionOf((*this->Pixel)[0], (*this->Pixel)[1]) },
       receptorLoops);
     this->DrawAtRest({}, places, restLoops);
   }
   else
   {
     // In the middle of the line, as far as it may lie off to the sides.
-    mammogram.Pane->SetMark({}, receptorLoops, seen);
+    mammogram.Pane.SetMark({}, receptorLoops, seen);
   }
 }
 }

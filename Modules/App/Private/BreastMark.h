@@ -3,8 +3,6 @@
 #define mammoray_BreastMark_h
 
 #include "Private/BreastScene.h"
-#include "Private/LiveMammogram.h"
-#include "Private/MammogramPane.h"
 #include "mammorayAppModule.h"
 
 #include <array>
@@ -17,17 +15,7 @@
 namespace mammoray
 {
 class RegisteredBreast;
-
-/// A mammogram in which a mark is drawn, and its breast between the plates; what it refers to must
-/// outlive the mark.
-struct MarkedMammogram
-{
-  /// "cc: " and the like; empty where there is only one.
-  std::string Prefix;
-  LiveMammogram* Live = nullptr;
-  BreastScene* Squeezed = nullptr;
-  MammogramPane* Pane = nullptr;
-};
+struct OpenedMammogram;
 
 /**
  * What the user marked, a point of the breast at rest or a pixel of a mammogram, and how it is
@@ -37,11 +25,8 @@ struct MarkedMammogram
 class MAMMORAYAPP_EXPORT BreastMark
 {
 public:
-  explicit BreastMark(BreastScene& atRest)
-    : AtRest(atRest)
-  {
-  }
-  void Add(const MarkedMammogram& mammogram) { this->Mammograms.push_back(mammogram); }
+  /// The views must outlive this.
+  BreastMark(BreastScene& atRest, const std::vector<std::unique_ptr<OpenedMammogram>>& mammograms);
 
   /// Points: volume frame, mm. Pixels: continuous column and row of one of the mammograms, by its
   /// number. Both take effect with Update.
@@ -62,17 +47,18 @@ public:
 private:
   void UpdatePoint();
   void UpdatePixel();
-  void DrawLine(const MarkedMammogram& mammogram, const RegisteredBreast& breast,
+  void DrawLine(OpenedMammogram& mammogram, const RegisteredBreast& breast,
     const std::vector<Vector3>& places, bool ofPixel);
   void DrawNothing();
-  const RegisteredBreast& Breast(const MarkedMammogram& mammogram);
+  const RegisteredBreast& Breast(const OpenedMammogram& mammogram);
   void DrawAtRest(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
     const std::vector<Loop>& loops);
 
   BreastScene& AtRest;
-  std::map<const LiveMammogram*, std::shared_ptr<const RegisteredBreast>> Breasts;
+  const std::vector<std::unique_ptr<OpenedMammogram>>& Mammograms;
+  /// By mammogram, since the last move.
+  std::map<const OpenedMammogram*, std::shared_ptr<const RegisteredBreast>> Breasts;
   std::vector<std::vector<Vector3>> Lines;
-  std::vector<MarkedMammogram> Mammograms;
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;
   std::size_t PixelOf = 0;

@@ -42,6 +42,8 @@ constexpr double SkinCellMm = 4;
 constexpr double SkinOpacity = 0.28;
 constexpr double PlateOpacity = 0.35;
 constexpr double PlateThicknessMm = 3;
+/// Share of the way to the source at which it is drawn.
+constexpr double ShownShare = 0.18;
 
 /// A box whose corners SetBox places.
 vtkSmartPointer<vtkPolyData> NewBox()
@@ -260,7 +262,7 @@ void BreastScene::SetPoints(const std::vector<double>& points)
   }
 }
 
-void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double shownSource)
+void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture)
 {
   if (!this->Receptor)
   {
@@ -301,7 +303,7 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   SetPlate(this->Support, plates.Support, placed.X, low, high, depth);
   SetPlate(this->Paddle, plates.Paddle, placed.X, low, high, depth);
   const auto towardsSource = [&](const Vector3& from)
-  { return from + shownSource * (source - from); };
+  { return from + ShownShare * (source - from); };
   std::vector<std::vector<Vector3>> edges;
   edges.reserve(corners.size() + 1);
   for (const Vector3& corner : corners)
@@ -312,6 +314,11 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   edges.push_back({ this->Middle, this->SourceShown });
   SetLines(this->BeamEdges, edges, false);
   this->Source->SetPosition(this->SourceShown.data());
+}
+
+Vector3 BreastScene::SourceAt(const Vector3& shown) const
+{
+  return this->Middle + (1 / ShownShare) * (shown - this->Middle);
 }
 
 void BreastScene::SetMark(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
@@ -369,10 +376,6 @@ bool BreastScene::Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>
 
 bool BreastScene::OnSource(int x, int y)
 {
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0.005);
-  picker->PickFromListOn();
-  picker->AddPickList(this->Source);
-  return this->Source && picker->Pick(x, y, 0, this->View) != 0;
+  return this->Source && IsAt(this->View, this->Source, x, y);
 }
 }

@@ -21,9 +21,6 @@ class vtkTexture;
 
 namespace mammoray
 {
-/// Share of the way to the source at which it is drawn beside the breast.
-inline constexpr double NearSource = 0.18;
-
 /// A closed line in space.
 using Loop = std::vector<Vector3>;
 
@@ -44,9 +41,9 @@ public:
   const std::vector<std::array<double, 3>>& TissueColors() const { return this->Colors; }
   /// New places of the anatomy's points, 3 x pointCount.
   void SetPoints(const std::vector<double>& points);
-  /// Plates, receptor with `picture` on it, beam and source; the source is drawn on the beam's axis
-  /// `shownSource` of the way to where it is.
-  void SetUnit(const LiveMammogram& live, vtkTexture* picture, double shownSource);
+  /// Plates, receptor with `picture` on it, beam and source; the source is drawn near the breast,
+  /// on the beam's axis.
+  void SetUnit(const LiveMammogram& live, vtkTexture* picture);
   /// Letters of the patient's directions around the breast at `points`.
   void AddLetters(const AnatomicalAxes& axes, const std::vector<double>& points);
   /// Looks at the breast from the front, and a little from the lateral side and above, as a unit
@@ -54,8 +51,8 @@ public:
   void LookFromFront(const VolumeFromGantry& placed, char laterality);
   /// Where the source is drawn.
   const Vector3& ShownSource() const { return this->SourceShown; }
-  /// The middle of the picture on the receptor.
-  const Vector3& ReceptorMiddle() const { return this->Middle; }
+  /// Where the source is when it is drawn there.
+  Vector3 SourceAt(const Vector3& shown) const;
   /// A marked point (none: no point), a line through the breast and loops of uncertainty.
   void SetMark(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
     const std::vector<Loop>& loops);

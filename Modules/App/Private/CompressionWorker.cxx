@@ -56,12 +56,6 @@ std::string CompressionWorker::Stage() const
   return this->Doing;
 }
 
-bool CompressionWorker::Waits() const
-{
-  const std::lock_guard lock(this->Mutex);
-  return this->Waiting;
-}
-
 bool CompressionWorker::GoesOn(const char* stage)
 {
   const std::lock_guard lock(this->Mutex);
@@ -73,7 +67,6 @@ bool CompressionWorker::GoesOn(const char* stage)
 std::optional<BreastPose> CompressionWorker::NextPose()
 {
   std::unique_lock lock(this->Mutex);
-  this->Waiting = true;
   this->Wake.wait(lock, [this] { return this->Asked || this->Ending; });
   while (!this->Ending && this->Known.Distance(*this->Asked) < FarFromKnown)
   {
@@ -85,7 +78,6 @@ std::optional<BreastPose> CompressionWorker::NextPose()
       break;
     }
   }
-  this->Waiting = false;
   std::optional<BreastPose> pose;
   if (!this->Ending)
   {
@@ -159,7 +151,6 @@ std::optional<CompressedAnatomy> CompressionWorker::Reduced(const BreastPose& po
   answer.Points = anatomy->Map(reduced->Positions);
   answer.PaddleForceN = reduced->PaddleForceN;
   answer.ReducedFrom = reduced->From;
-  answer.Nearest = reduced->Nearest;
   answer.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return answer;
 }

@@ -23,10 +23,8 @@ struct CompressedAnatomy
   std::vector<double> Points;
   double PaddleForceN = 0;
   double Seconds = 0;
-  /// Of how many equilibria it was made without solving, and how far the nearest of them is, mm or
-  /// degrees; 0: it was solved for.
+  /// Of how many equilibria it was made without solving; 0: it was solved for.
   int ReducedFrom = 0;
-  double Nearest = 0;
   std::string Error;
 };
 
@@ -50,8 +48,6 @@ public:
   std::optional<CompressedAnatomy> Take();
   /// What it does, for the user; empty when it rests.
   std::string Stage() const;
-  /// Whether all that was found is known, too; it takes a moment longer than the answer.
-  bool Waits() const;
 
 private:
   void Run();
@@ -76,7 +72,6 @@ private:
   /// The anatomy in the Model, once something is known.
   const Embedding* Anatomy = nullptr;
   std::string Doing;
-  bool Waiting = true;
   bool Ending = false;
   std::thread Thread;
 };

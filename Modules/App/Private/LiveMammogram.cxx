@@ -6,9 +6,6 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/PosedBreast.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkNew.h"
-#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -163,16 +160,7 @@ BreastInUnit LiveMammogram::InUnit() const
   BreastInUnit breast = this->Viewed.Breast;
   breast.Placed = this->Placed();
   breast.Unit = WithFocalSpot(breast.Unit, breast.Unit.FocalSpot() + this->Offset);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfComponents(3);
-  values->SetNumberOfTuples(static_cast<vtkIdType>(this->Moved.size() / 3));
-  std::copy(this->Moved.begin(), this->Moved.end(), values->GetPointer(0));
-  vtkNew<vtkPoints> points;
-  points->SetData(values);
-  vtkNew<vtkUnstructuredGrid> compressed;
-  compressed->ShallowCopy(breast.Compressed);
-  compressed->SetPoints(points);
-  breast.Compressed = compressed;
+  breast.Compressed = WithPoints(breast.Compressed, this->Moved);
   return breast;
 }
 

@@ -64,7 +64,6 @@ public:
    * source stands above its origin, and the picture's grid the other way.
    */
   BreastInUnit InUnit() const;
-  std::string DeviceName() const { return this->Projector->DeviceName(); }
 
 private:
   const ViewedBreast& Viewed;

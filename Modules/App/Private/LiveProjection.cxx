@@ -29,6 +29,12 @@ Vector3 MiddleOf(const std::array<Extent, 3>& box)
   return { box[0].Middle(), box[1].Middle(), box[2].Middle() };
 }
 
+XRayDetector OneRay(XRayDetector detector)
+{
+  detector.Samples = 1;
+  return detector;
+}
+
 /// Two by two pixels as one; the rest at the far borders is dropped.
 XRayDetector Halved(XRayDetector detector)
 {
@@ -37,26 +43,26 @@ XRayDetector Halved(XRayDetector detector)
   detector.RowStep = 2.0 * detector.RowStep;
   detector.Columns = std::max(detector.Columns / 2, 1);
   detector.Rows = std::max(detector.Rows / 2, 1);
-  detector.Samples = 1;
   return detector;
 }
 }
 
-LiveProjection::LiveProjection(const ViewedScene& viewed, const ProjectorOptions& options)
+LiveProjection::LiveProjection(const Scene& viewed, const ProjectorOptions& options)
   : Viewed(viewed)
-  , Half(Halved(viewed.Scene.Detector))
-  , Samples(Assemble(viewed.Scene))
-  , TurnAxis{ MiddleOf(BoxOf(*this->Samples)), -1.0 * viewed.Scene.Detector.RowStep }
+  , Full(OneRay(viewed.Detector))
+  , Half(Halved(this->Full))
+  , Samples(Assemble(viewed))
+  , TurnAxis{ MiddleOf(BoxOf(*this->Samples)), -1.0 * viewed.Detector.RowStep }
   , Device(options)
-  , Current(viewed.Scene)
-  , SourceNow(viewed.Scene.Source)
+  , Current(viewed)
+  , SourceNow(viewed.Source)
 {
   this->Current.Samples = { { this->Samples } };
   this->Current.Detection = {};
   this->Current.Field = {};
   this->Current.Scatter = {};
   this->Current.Refraction.reset();
-  const Spectrum& spectrum = viewed.Scene.XRays;
+  const Spectrum& spectrum = viewed.XRays;
   spectrum.Validate();
   this->SingleEnergy = spectrum.EnergiesKeV.size() == 1;
   if (this->SingleEnergy)
@@ -84,21 +90,21 @@ void LiveProjection::SetTurn(double degrees)
 
 void LiveProjection::SetSourceOffset(const Vector3& offset)
 {
-  if (this->Viewed.Scene.Source.Type == XRaySource::Kind::Parallel)
+  if (this->Viewed.Source.Type == XRaySource::Kind::Parallel)
   {
     return;
   }
   this->Offset = offset;
-  this->SourceNow.Position = this->Viewed.Scene.Source.Position + offset;
+  this->SourceNow.Position = this->Viewed.Source.Position + offset;
   this->IsStale = true;
 }
 
 double LiveProjection::SourceGain() const
 {
   constexpr double Most = 20;
-  const XRayDetector& grid = this->Viewed.Scene.Detector;
+  const XRayDetector& grid = this->Viewed.Detector;
   const Vector3 normal = Cross(grid.ColumnStep, grid.RowStep);
-  const double before = Dot(this->TurnAxis.Point - this->Viewed.Scene.Source.Position, normal);
+  const double before = Dot(this->TurnAxis.Point - this->Viewed.Source.Position, normal);
   const double behind = Dot(grid.Origin - this->TurnAxis.Point, normal);
   const double gain = before / behind;
   return gain > 0 && gain < Most ? gain : Most;
@@ -111,7 +117,7 @@ void LiveProjection::SetEnergy(double energy)
   {
     return;
   }
-  const Spectrum& given = this->Viewed.Scene.XRays;
+  const Spectrum& given = this->Viewed.XRays;
   this->Current.XRays = this->SingleEnergy ? Spectrum::Monochromatic(energy)
     : energy == KilovoltageOf(given)       ? given
                                            : AtKilovoltage(given, energy);
@@ -135,17 +141,23 @@ const std::vector<float>& LiveProjection::Project(int divisor)
   return this->Picture.LogAttenuation;
 }
 
-std::string LiveProjection::Describe(int column, int row)
+std::string LiveProjection::Describe(double column, double row)
 {
+  if (!(column >= -0.5 && row >= -0.5 && column <= this->Full.Columns - 0.5 &&
+        row <= this->Full.Rows - 0.5))
+  {
+    throw InputError("expected a pixel of the picture, " + std::to_string(this->Full.Columns) +
+      " x " + std::to_string(this->Full.Rows));
+  }
   this->Project(this->PictureDivisor);
   const PathLengthImage& lengths = *this->Picture.Lengths;
-  column = std::clamp(column / this->PictureDivisor, 0, lengths.Columns - 1);
-  row = std::clamp(row / this->PictureDivisor, 0, lengths.Rows - 1);
+  const auto index = [this](double at, int most)
+  { return std::clamp(static_cast<int>(std::lround(at)) / this->PictureDivisor, 0, most - 1); };
   const std::size_t pixel =
-    static_cast<std::size_t>(row) * static_cast<std::size_t>(lengths.Columns) +
-    static_cast<std::size_t>(column);
-  char text[60];
-  std::snprintf(text, sizeof text, "transmission %.4g",
+    static_cast<std::size_t>(index(row, lengths.Rows)) * static_cast<std::size_t>(lengths.Columns) +
+    static_cast<std::size_t>(index(column, lengths.Columns));
+  char text[120];
+  std::snprintf(text, sizeof text, "pixel (%.1f, %.1f): transmission %.4g", column, row,
     std::exp(-this->Picture.LogAttenuation[pixel]));
   std::string found = text;
   double sum = 0;
@@ -158,9 +170,8 @@ std::string LiveProjection::Describe(int column, int row)
     const double length = lengths.Material(material)[pixel];
     if (length > 1e-6 * sum) // less is rounding, where parts overlap
     {
-      found += ", " +
-        this->Viewed.Scene.Materials.Materials[static_cast<std::size_t>(material)].Name + " " +
-        LengthText(length);
+      found += ", " + this->Viewed.Materials.Materials[static_cast<std::size_t>(material)].Name +
+        " " + LengthText(length);
     }
   }
   return found;

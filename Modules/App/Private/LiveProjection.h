@@ -2,9 +2,9 @@
 #ifndef mammoray_LiveProjection_h
 #define mammoray_LiveProjection_h
 
-#include "mammoray/App/SurfaceViewer.h"
 #include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/ProjectionSeries.h"
+#include "mammoray/XRay/Scene.h"
 #include "mammorayAppModule.h"
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace mammoray
 {
-/// The X-ray of surfaces that turn, of a source that is moved, of an energy that is changed. No
-/// windows.
+/// The primary radiation of a scene whose samples turn, whose source is moved and whose energy is
+/// changed, one ray per pixel. No windows.
 class MAMMORAYAPP_EXPORT LiveProjection
 {
 public:
   /// Throws InputError and DeviceError. `viewed` must outlive this.
-  LiveProjection(const ViewedScene& viewed, const ProjectorOptions& options);
+  LiveProjection(const Scene& viewed, const ProjectorOptions& options);
 
   /// Of the samples about the axis, right-handed.
   void SetTurn(double degrees);
@@ -38,23 +38,20 @@ public:
 
   /// Where the source is, and the detector, `divisor` (1 or 2) of whose pixels are one; scene.
   const XRaySource& Source() const { return this->SourceNow; }
-  const XRayDetector& Detector(int divisor) const
-  {
-    return divisor == 1 ? this->Viewed.Scene.Detector : this->Half;
-  }
+  const XRayDetector& Detector(int divisor) const { return divisor == 1 ? this->Full : this->Half; }
   /// Through the middle of the samples' box, against the detector's rows.
   const AxisLine& Axis() const { return this->TurnAxis; }
   /// -ln(I / I0) on that grid; the same until something changes.
   const std::vector<float>& Project(int divisor);
-  /// What a pixel of the full grid sees, by the resolution of the last picture: transmission and
-  /// path lengths.
-  std::string Describe(int column, int row);
+  /// What a pixel of the full grid, by its continuous column and row, sees at the resolution of the
+  /// last picture: transmission and path lengths, a line. Throws InputError beside the picture.
+  std::string Describe(double column, double row);
   /// The samples in the frame of the scene.
   const SurfaceMesh& Surface() const { return *this->Samples; }
-  std::string DeviceName() { return this->Device.DeviceName(); }
 
 private:
-  const ViewedScene& Viewed;
+  const Scene& Viewed;
+  XRayDetector Full;
   XRayDetector Half;
   std::shared_ptr<const SurfaceMesh> Samples;
   AxisLine TurnAxis;

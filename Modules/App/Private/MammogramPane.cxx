@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/MammogramPane.h"
 
-#include "Private/SceneShapes.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-
-#include "vtkActor.h"
-#include "vtkPolyData.h"
-#include "vtkProperty.h"
-#include "vtkRenderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +49,6 @@ GreyLevel LevelOf(const std::vector<float>& values, const Inside& inside)
 
 MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   : Grid(live.Grid(1))
-  , Marks(NewLines())
 {
   // Chest wall left for the left breast; where the side is not known, as the pixels run.
   const bool rightBreast = viewed.Laterality == 'R' ||
@@ -105,9 +98,6 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
     corners[corner] = { at[0], at[1], 0 };
   }
   this->AddRectangle(corners);
-  const auto marks = AddActor(this->View, this->Marks, { 0.1, 0.9, 0.45 }, 1);
-  marks->GetProperty()->LightingOff();
-  marks->GetProperty()->SetLineWidth(2);
   this->Compose();
   this->Frame();
 }
@@ -186,15 +176,13 @@ void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
   const std::vector<std::vector<ReceptorPoint>>& loops, const std::vector<ReceptorPoint>& drawn)
 {
   constexpr double ArmMm = 3;
-  // Between the picture and the camera, which stands on either side.
-  const double front = -this->Right * this->Up;
   std::vector<std::vector<Vector3>> lines;
   const auto add = [&](const std::vector<ReceptorPoint>& line, bool closed)
   {
     std::vector<Vector3>& added = lines.emplace_back();
     for (const ReceptorPoint& point : line)
     {
-      added.push_back({ point[0], point[1], front });
+      added.push_back({ point[0], point[1], 0 });
     }
     if (closed && !line.empty())
     {
@@ -211,7 +199,7 @@ void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
     add(loop, true);
   }
   add(drawn, false);
-  SetLines(this->Marks, lines, false);
+  this->Over.SetLines(lines);
 }
 
 /// All of the breast, in either picture, and the chest wall's edge.
@@ -255,12 +243,8 @@ void MammogramPane::Frame()
 
 bool MammogramPane::PixelAt(int x, int y, double& column, double& row) const
 {
-  vtkRenderer* view = this->View;
-  view->SetDisplayPoint(x, y, 0);
-  view->DisplayToWorld();
-  double world[4];
-  view->GetWorldPoint(world);
-  const ReceptorPoint at{ world[0] / world[3], world[1] / world[3] };
+  const Vector3 world = this->Over.WorldAt(x, y);
+  const ReceptorPoint at{ world[0], world[1] };
   const auto index = this->Grid.IndexOf(at);
   column = index[0];
   row = index[1];

@@ -6,12 +6,8 @@
 #include "Private/PicturePane.h"
 #include "mammorayAppModule.h"
 
-#include "vtkSmartPointer.h"
-
 #include <array>
 #include <vector>
-
-class vtkPolyData;
 
 namespace mammoray
 {
@@ -36,7 +32,6 @@ public:
   void SetComparison(Comparison comparison);
   /// 0: synthetic only, 1: real only.
   void SetBlend(double real);
-  double Blend() const { return this->Real; }
   void ResetWindow();
   /// Crosses, closed lines and an open one on the receptor, gantry x and y.
   void SetMark(const std::vector<ReceptorPoint>& points,
@@ -66,7 +61,6 @@ private:
   /// Pixels of the real breast, not 0; empty without one.
   std::vector<unsigned char> Breast;
   int Divisor = 1;
-  vtkSmartPointer<vtkPolyData> Marks;
 };
 }
 

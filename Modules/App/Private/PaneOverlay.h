@@ -6,18 +6,18 @@
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayAppModule.h"
 
+#include "vtkCornerAnnotation.h"
 #include "vtkNew.h"
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
+#include "vtkTextActor.h"
 
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-class vtkActor2D;
 class vtkPolyData;
-class vtkTextActor;
 
 namespace mammoray
 {
@@ -28,8 +28,8 @@ MAMMORAYAPP_EXPORT std::string LengthText(double mm);
 std::string DirectionLetters(const Vector3& direction, const AnatomicalAxes& axes);
 
 /**
- * What lies over a picture seen along its normal (a parallel camera), in pixels of the screen: its
- * title, letters of the patient's directions at its sides, a bar of so many mm, a ruler, lines.
+ * What lies over a picture seen along its normal (a parallel camera): its title, letters of the
+ * patient's directions at its sides, a bar of so many mm, a ruler, lines.
  */
 class MAMMORAYAPP_EXPORT PaneOverlay
 {
@@ -38,35 +38,24 @@ public:
   explicit PaneOverlay(vtkRenderer* view);
 
   void SetTitle(const std::string& title);
-  /// A second line, in the colour of warnings.
-  void SetWarning(const std::string& warning);
   /// At the left, right, upper and lower side.
   void SetLetters(const std::array<std::string, 4>& letters);
   /// Ends of a distance, in the renderer's world; nothing: none.
-  void SetRuler(const std::optional<std::array<Vector3, 2>>& ends) { this->Ruler = ends; }
+  void SetRuler(const std::optional<std::array<Vector3, 2>>& ends);
   const std::optional<std::array<Vector3, 2>>& RulerEnds() const { return this->Ruler; }
   /// Lines to draw, in the renderer's world, whatever lies before them.
-  void SetLines(const std::vector<std::vector<Vector3>>& lines) { this->Lines = lines; }
-  /// Follows the camera; to be called before the window is drawn.
+  void SetLines(const std::vector<std::vector<Vector3>>& lines);
+  /// Follows camera and size; to be called before the window is drawn.
   void Update();
 
   /// The place of the camera's plane at a place of the window, pixels.
   Vector3 WorldAt(int x, int y) const;
-  /// Pixels of the window from the pane's lower left corner.
-  std::array<double, 2> PixelOf(const Vector3& world) const;
 
 private:
-  vtkSmartPointer<vtkTextActor> AddText(int size, double x, double y, int across, int up);
-  double MmPerPixel() const;
-
   vtkRenderer* View;
   std::optional<std::array<Vector3, 2>> Ruler;
-  std::vector<std::vector<Vector3>> Lines;
-  vtkSmartPointer<vtkTextActor> Title;
-  vtkSmartPointer<vtkTextActor> Warning;
-  std::array<vtkSmartPointer<vtkTextActor>, 4> Letters;
-  vtkSmartPointer<vtkTextActor> BarText;
-  vtkSmartPointer<vtkTextActor> RulerText;
+  vtkNew<vtkCornerAnnotation> Texts;
+  vtkNew<vtkTextActor> RulerText;
   vtkSmartPointer<vtkPolyData> Bar;
   vtkSmartPointer<vtkPolyData> RulerLine;
   vtkSmartPointer<vtkPolyData> Marks;

@@ -2,11 +2,9 @@
 #include "Private/PicturePane.h"
 
 #include "Private/SceneShapes.h"
-#include "mammoray/IO/ProjectionImage.h"
 
 #include "vtkActor.h"
 #include "vtkCamera.h"
-#include "vtkImageFlip.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkProperty.h"
@@ -19,12 +17,18 @@ PicturePane::PicturePane()
   : Over(this->View)
 {
   this->View->SetBackground(0, 0, 0);
-  this->Texture->SetInputData(this->Image);
-  this->Texture->SetColorModeToDirectScalars();
-  this->Texture->InterpolateOn();
+}
+
+vtkSmartPointer<vtkTexture> PicturePane::NewTexture()
+{
+  auto texture = vtkSmartPointer<vtkTexture>::New();
+  texture->SetInputData(this->Image);
+  texture->SetColorModeToDirectScalars();
+  texture->InterpolateOn();
   // Else the interpolation at one edge mixes in the other, the chest wall beside the air.
-  this->Texture->RepeatOff();
-  this->Texture->EdgeClampOn();
+  texture->RepeatOff();
+  texture->EdgeClampOn();
+  return texture;
 }
 
 void PicturePane::AddRectangle(const std::array<Vector3, 4>& corners)
@@ -36,7 +40,7 @@ void PicturePane::AddRectangle(const std::array<Vector3, 4>& corners)
   }
   const auto actor = AddActor(this->View, rectangle, { 1, 1, 1 }, 1);
   actor->GetProperty()->LightingOff();
-  actor->SetTexture(this->Texture);
+  actor->SetTexture(this->NewTexture());
 }
 
 unsigned char* PicturePane::GreyValues(int columns, int rows)
@@ -71,15 +75,5 @@ void PicturePane::Adjust(double windowFactor, double levelShare)
   this->Low = level - 0.5 * windowFactor * window;
   this->High = level + 0.5 * windowFactor * window;
   this->Compose();
-}
-
-void PicturePane::Write(const std::string& path) const
-{
-  // VTK's row 0 is at the bottom.
-  vtkNew<vtkImageFlip> flip;
-  flip->SetInputData(this->Image);
-  flip->SetFilteredAxis(1);
-  flip->Update();
-  WritePicture(flip->GetOutput(), path);
 }
 }

@@ -8,10 +8,10 @@
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
 #include "vtkTexture.h"
 
 #include <array>
-#include <string>
 
 namespace mammoray
 {
@@ -21,12 +21,10 @@ class MAMMORAYAPP_EXPORT PicturePane
 public:
   vtkRenderer* Renderer() { return this->View; }
   PaneOverlay& Overlay() { return this->Over; }
-  /// The picture as it is drawn, row 0 first.
-  vtkTexture* Picture() { return this->Texture; }
+  /// Another texture of the picture, row 0 first; a texture belongs to one window.
+  vtkSmartPointer<vtkTexture> NewTexture();
   /// Changes grey: window and level by shares of the window.
   void Adjust(double windowFactor, double levelShare);
-  /// The picture at its own resolution as .png, row 0 on top. Throws InputError.
-  void Write(const std::string& path) const;
 
 protected:
   PicturePane();
@@ -48,7 +46,6 @@ protected:
   vtkNew<vtkRenderer> View;
   PaneOverlay Over;
   vtkNew<vtkImageData> Image;
-  vtkNew<vtkTexture> Texture;
 };
 }
 

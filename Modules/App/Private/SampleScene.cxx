@@ -4,7 +4,6 @@
 #include "vtkActor.h"
 #include "vtkCamera.h"
 #include "vtkCellArray.h"
-#include "vtkCellPicker.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkProperty.h"
@@ -61,7 +60,8 @@ vtkSmartPointer<vtkPolyData> Thinned(vtkPolyData* whole)
 }
 }
 
-SampleScene::SampleScene(const ViewedScene& viewed, const LiveProjection& live, vtkTexture* picture)
+SampleScene::SampleScene(const MaterialTable& materials, const LiveProjection& live,
+  vtkTexture* picture)
 {
   this->View->SetBackground(0.09, 0.10, 0.13);
   const std::array<Extent, 3> box =
@@ -69,7 +69,7 @@ SampleScene::SampleScene(const ViewedScene& viewed, const LiveProjection& live, 
   this->Middle = live.Axis().Point;
   this->Diagonal = Norm({ box[0].Length(), box[1].Length(), box[2].Length() });
   this->MaterialColors.push_back({ 0, 0, 0 });
-  for (std::size_t material = 1; material < viewed.Scene.Materials.Materials.size(); ++material)
+  for (std::size_t material = 1; material < materials.Materials.size(); ++material)
   {
     this->MaterialColors.push_back(SampleColors[(material - 1) % std::size(SampleColors)]);
   }
@@ -129,7 +129,7 @@ void SampleScene::AddSamples(const LiveProjection& live)
   }
 }
 
-void SampleScene::Update(const LiveProjection& live, bool whole)
+void SampleScene::Update(const LiveProjection& live)
 {
   const Vector3& axis = live.Axis().Direction;
   this->Turned->Identity();
@@ -144,15 +144,14 @@ void SampleScene::Update(const LiveProjection& live, bool whole)
     point ? source.Position - live.SourceOffset() - this->Middle : -1.0 * source.Direction;
   const Vector3 up = (1 / Norm(towards)) * towards;
   const double distance = point ? Norm(towards) : SourceDiagonals * this->Diagonal;
-  const double shownDistance =
-    whole ? distance : std::min(distance, SourceDiagonals * this->Diagonal);
+  const double shownDistance = std::min(distance, SourceDiagonals * this->Diagonal);
   this->Share = shownDistance < distance ? 1 / live.SourceGain() : 1;
   this->SourceShown = this->Middle + shownDistance * up + this->Share * live.SourceOffset();
 
   // The plane nearer the samples, along each corner's ray.
   const Vector3 normal = Cross(grid.ColumnStep, grid.RowStep);
   const double behind = Dot(grid.Origin - this->Middle, normal) / Dot(-1.0 * up, normal);
-  const double shown = whole ? behind : std::min(behind, DetectorDiagonals * this->Diagonal);
+  const double shown = std::min(behind, DetectorDiagonals * this->Diagonal);
   const double shrunk =
     point && behind > 0 ? (distance + std::max(shown, 0.0)) / (distance + behind) : 1;
   const Vector3 shift = point || behind <= 0 ? Vector3{ 0, 0, 0 } : (behind - shown) * up;
@@ -196,10 +195,6 @@ void SampleScene::LookAt(const LiveProjection& live)
 
 bool SampleScene::OnSource(int x, int y)
 {
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0.005);
-  picker->PickFromListOn();
-  picker->AddPickList(this->Source);
-  return this->Source->GetVisibility() != 0 && picker->Pick(x, y, 0, this->View) != 0;
+  return IsAt(this->View, this->Source, x, y);
 }
 }

@@ -26,20 +26,19 @@ namespace mammoray
 class MAMMORAYAPP_EXPORT SampleScene
 {
 public:
-  SampleScene(const ViewedScene& viewed, const LiveProjection& live, vtkTexture* picture);
+  SampleScene(const MaterialTable& materials, const LiveProjection& live, vtkTexture* picture);
 
   vtkRenderer* Renderer() { return this->View; }
   /// A colour for each material of the table.
   const std::vector<Color>& Colors() const { return this->MaterialColors; }
-  /// `whole`: source and detector where they are.
-  void Update(const LiveProjection& live, bool whole);
-  /// The samples from beside the beam; with `whole`, the setup.
+  void Update(const LiveProjection& live);
+  /// The samples from beside the beam.
   void LookAt(const LiveProjection& live);
   /// True at the drawn source.
   bool OnSource(int x, int y);
   const Vector3& ShownSource() const { return this->SourceShown; }
-  /// By so much less than the source the drawn one is moved: as far as its shadow, unless all is
-  /// drawn where it is.
+  /// By so much less than the source the drawn one is moved: as far as its shadow where it is drawn
+  /// nearer, else 1.
   double SourceShare() const { return this->Share; }
 
 private:

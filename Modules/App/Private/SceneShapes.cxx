@@ -3,6 +3,7 @@
 
 #include "vtkActor.h"
 #include "vtkCellArray.h"
+#include "vtkCellPicker.h"
 #include "vtkCoordinate.h"
 #include "vtkFloatArray.h"
 #include "vtkNew.h"
@@ -115,5 +116,24 @@ vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* renderer, const std::string& 
   actor->GetPositionCoordinate()->SetValue(x, y);
   renderer->AddActor(actor);
   return actor.Get();
+}
+
+bool IsAt(vtkRenderer* view, vtkActor* actor, int x, int y)
+{
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0.005);
+  picker->PickFromListOn();
+  picker->AddPickList(actor);
+  return actor->GetVisibility() != 0 && picker->Pick(x, y, 0, view) != 0;
+}
+
+Vector3 PlaceUnder(vtkRenderer* view, double x, double y, const Vector3& depth)
+{
+  view->SetWorldPoint(depth[0], depth[1], depth[2], 1);
+  view->WorldToDisplay();
+  view->SetDisplayPoint(x, y, view->GetDisplayPoint()[2]);
+  view->DisplayToWorld();
+  const double* world = view->GetWorldPoint();
+  return { world[0] / world[3], world[1] / world[3], world[2] / world[3] };
 }
 }

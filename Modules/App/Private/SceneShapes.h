@@ -4,6 +4,7 @@
 #define mammoray_SceneShapes_h
 
 #include "mammoray/Foundation/Vector3.h"
+#include "mammorayAppModule.h"
 
 #include "vtkSmartPointer.h"
 
@@ -35,6 +36,10 @@ vtkSmartPointer<vtkActor> AddActor(vtkRenderer* view, vtkPolyData* data, const C
 /// With its upper left corner at a place of the view, in shares of it.
 vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* view, const std::string& text, double x,
   double y, int size);
+/// True where the actor is visible at a pixel of the window.
+bool IsAt(vtkRenderer* view, vtkActor* actor, int x, int y);
+/// The place under a pixel of the window, in the plane across the view through `depth`.
+MAMMORAYAPP_EXPORT Vector3 PlaceUnder(vtkRenderer* view, double x, double y, const Vector3& depth);
 }
 
 #endif

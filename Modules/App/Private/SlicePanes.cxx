@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstdio>
 #include <tuple>
+#include <utility>
 
 namespace mammoray
 {
@@ -209,9 +210,11 @@ void SlicePanes::Frame()
   }
 }
 
-void SlicePanes::SetPoint(const std::optional<Vector3>& point)
+void SlicePanes::SetMark(const std::optional<Vector3>& point,
+  std::vector<std::vector<Vector3>> lines)
 {
   this->Point = point;
+  this->Lines = std::move(lines);
   for (Pane& pane : this->Panes)
   {
     if (!point)
@@ -242,14 +245,6 @@ void SlicePanes::ResetWindow()
   this->Window = this->Viewed.Image ? WhiteOf(this->Viewed.Image->Voxels) : 1;
   this->Level = 0.5 * this->Window;
   this->Adjust(1, 0);
-}
-
-void SlicePanes::ToggleTissue()
-{
-  for (vtkImageSlice* slice : this->TissueSlices)
-  {
-    slice->SetVisibility(slice->GetVisibility() != 0 ? 0 : 1);
-  }
 }
 
 void SlicePanes::SetTissueOpacity(double opacity)

@@ -12,7 +12,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 class vtkImageData;
@@ -39,17 +38,14 @@ public:
   PaneOverlay& Overlay(int pane) { return *this->Panes[static_cast<std::size_t>(pane)].Over; }
   /// All of the breast in each pane, through its middle or the marked point.
   void Frame();
-  /// Marks a point and takes all slices there; nothing: no mark, the slices stay.
-  void SetPoint(const std::optional<Vector3>& point);
-  /// Lines of a mark, seen in all panes: what lies behind a pixel, ellipses of uncertainty.
-  void SetLines(std::vector<std::vector<Vector3>> lines) { this->Lines = std::move(lines); }
+  /// Marks a point and takes all slices there; nothing: no mark, the slices stay. `lines` are seen
+  /// in all panes: what lies behind a pixel, ellipses of uncertainty.
+  void SetMark(const std::optional<Vector3>& point, std::vector<std::vector<Vector3>> lines);
   /// Goes so many voxels along the pane's normal.
   void Scroll(int pane, int steps);
   /// Changes grey: window and level by shares of the window.
   void Adjust(double windowFactor, double levelShare);
   void ResetWindow();
-  /// Shows the tissues over the image, or hides them.
-  void ToggleTissue();
   /// [0, 1].
   void SetTissueOpacity(double opacity);
   /// Follows cameras and sizes; before the window is drawn.

@@ -2,6 +2,7 @@
 #include "Private/Desktop/ResultPage.h"
 
 #include "Private/KilovoltageSpectrum.h"
+#include "Private/SceneShapes.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/LesionShadow.h"
@@ -42,6 +43,7 @@ constexpr int TickMs = 40;
 /// What has moved is drawn at full resolution after this.
 constexpr int RestMs = 250;
 constexpr double KilovoltageRange = 6;
+constexpr double RollRangeDeg = 45;
 constexpr int SliderSteps = 100;
 /// Merges moves of one mark by a drag.
 constexpr int MoveId = 1;
@@ -140,8 +142,7 @@ ResultPage::ResultPage(const ProjectorOptions& projector)
   connect(&this->Rest, &QTimer::timeout, this,
     [this]
     {
-      this->IsMoving = false;
-      this->Active().Pane.Update(this->Active().Live, 1);
+      this->Active().Update(1);
       this->UpdateMark(true);
       this->RedrawAll();
     });
@@ -356,9 +357,13 @@ void ResultPage::MakeUnit(QVBoxLayout* side)
     return box;
   };
   this->Thickness = number("thickness", tr(" mm"), 0.5);
+  this->Roll = number("roll", tr(" deg"), 1);
   this->Kilovoltage = number("kilovoltage", tr(" kV"), 0.5);
-  connect(this->Thickness, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
-    [this](double value) { this->SetThickness(value); });
+  for (QDoubleSpinBox* box : { this->Thickness, this->Roll })
+  {
+    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+      [this] { this->SetPose(); });
+  }
   connect(this->Kilovoltage, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
     [this](double value)
     {
@@ -368,12 +373,21 @@ void ResultPage::MakeUnit(QVBoxLayout* side)
         this->Moved();
       }
     });
+  this->SourceOffset = new QLabel;
+  this->SourceOffset->setObjectName("source");
+  auto* back = new QPushButton(tr("Put the source bac&k"));
+  back->setObjectName("sourceBack");
+  back->setToolTip(tr("Drag the yellow ball to move it"));
+  connect(back, &QPushButton::clicked, this, [this] { this->SetSource({ 0, 0, 0 }); });
   this->Equilibrium = new QLabel;
   this->Equilibrium->setWordWrap(true);
   this->Equilibrium->setObjectName("equilibrium");
   form->addRow(tr("Mammogram"), this->Unit);
   form->addRow(tr("Thickness"), this->Thickness);
+  form->addRow(tr("Roll"), this->Roll);
   form->addRow(tr("Tube voltage"), this->Kilovoltage);
+  form->addRow(tr("Source"), this->SourceOffset);
+  form->addRow(back);
   form->addRow(this->Equilibrium);
   side->addWidget(group);
 }
@@ -467,7 +481,11 @@ void ResultPage::Open(const ViewInput& input)
   this->Opening.Start(
     [this, input, projector = this->Projector](const ProgressCallback& progress) -> Task::Outcome
     {
-      auto result = std::make_shared<OpenedResult>(input, projector, progress);
+      ReportProgress(progress, 0, "read the result");
+      std::vector<ViewedBreast> viewed = ReadViewedBreasts(input);
+      auto result =
+        std::make_shared<OpenedResult>(std::move(viewed), projector, ShareOf(progress, 0.4, 1));
+      result->Input = input;
       return [this, result] { this->Attach(result); };
     });
 }
@@ -490,10 +508,7 @@ void ResultPage::Detach()
   this->Rest.stop();
   for (ViewWidget* view : this->AllViews())
   {
-    view->Show({});
-    view->Clicked = nullptr;
-    view->Fit = nullptr;
-    view->BeforeDraw = nullptr;
+    view->Clear();
   }
   this->Result.reset();
 }
@@ -547,29 +562,10 @@ void ResultPage::AttachSlices()
   const bool shown = this->Result->Slices != nullptr;
   this->SliceViews[0]->parentWidget()->setVisible(shown);
   this->Tissue->setEnabled(shown);
-  if (!shown)
+  if (shown)
   {
-    return;
-  }
-  SlicePanes* slices = this->Result->Slices.get();
-  for (int pane = 0; pane < SlicePanes::Count; ++pane)
-  {
-    ViewWidget* view = this->SliceViews[static_cast<std::size_t>(pane)];
-    view->Fit = [slices] { slices->Frame(); };
-    view->BeforeDraw = [slices] { slices->Update(); };
-    view->Clicked = [this, slices, pane](int x, int y)
-    { this->MarkPoint(slices->Overlay(pane).WorldAt(x, y)); };
-    view->Scrolled = [slices, pane, view](int steps)
-    {
-      slices->Scroll(pane, steps);
-      view->Redraw();
-    };
-    view->GreyDragged = [this, slices](double factor, double share)
-    {
-      slices->Adjust(factor, share);
-      this->RedrawAll();
-    };
-    view->Show({ slices->Renderer(pane) }, &slices->Overlay(pane));
+    ShowSlices(*this->Result->Slices, this->SliceViews,
+      [this](const Vector3& place) { this->MarkPoint(place); });
   }
 }
 
@@ -627,9 +623,8 @@ void ResultPage::TellTrust()
   Trust worst = Trust::Good;
   QStringList reasons;
   QStringList expected;
-  for (const auto& mammogram : this->Result->Mammograms)
+  for (const ViewedBreast& viewed : this->Result->Viewed)
   {
-    const ViewedBreast& viewed = mammogram->Viewed;
     const QString prefix =
       viewed.View.empty() ? QString() : QString::fromStdString(viewed.View).toUpper() + ": ";
     worst = std::max(worst, viewed.Trust.Level);
@@ -638,10 +633,10 @@ void ResultPage::TellTrust()
       reasons << "- " + prefix + QString::fromStdString(reason);
     }
     expected << prefix +
-        (mammogram->Expected ? tr("expected error %1 mm; 95 % of the tissue within %2 mm")
-                                 .arg(mammogram->Expected->MedianMm, 0, 'f', 1)
-                                 .arg(mammogram->Expected->Most95Mm, 0, 'f', 1)
-                             : tr("the expected error is unknown"));
+        (viewed.Expected ? tr("expected error %1 mm; 95 % of the tissue within %2 mm")
+                             .arg(viewed.Expected->MedianMm, 0, 'f', 1)
+                             .arg(viewed.Expected->Most95Mm, 0, 'f', 1)
+                         : tr("the expected error is unknown"));
   }
   this->Verdict->setText(QString("%1.").arg(VerdictOf(worst)));
   const char* color = worst == Trust::Good ? "#2e7d32"
@@ -800,9 +795,7 @@ void ResultPage::UpdateMark(bool moved)
   this->Where->setText(text);
   if (this->Result->Slices)
   {
-    const std::optional<Vector3> at = marked.Point ? marked.Point : mark.Middle();
-    this->Result->Slices->SetPoint(at);
-    this->Result->Slices->SetLines(mark.RestLines());
+    this->Result->Slices->SetMark(marked.Point ? marked.Point : mark.Middle(), mark.RestLines());
   }
   this->RedrawAll();
 }
@@ -933,45 +926,66 @@ void ResultPage::Activate(int mammogram)
   OpenedMammogram& active = this->Active();
   const QSignalBlocker first(this->Thickness);
   const QSignalBlocker second(this->Kilovoltage);
+  const QSignalBlocker third(this->Roll);
   const double thickness = active.Viewed.Pose.ThicknessMm;
   this->Thickness->setRange(0.6 * thickness, 1.4 * thickness);
   this->Thickness->setValue(active.Live.Pose().ThicknessMm);
+  const double roll = active.Viewed.Pose.RollDeg;
+  this->Roll->setRange(roll - RollRangeDeg, roll + RollRangeDeg);
+  this->Roll->setValue(active.Live.Pose().RollDeg);
   const double voltage = KilovoltageOf(active.Viewed.Spectrum);
   this->Kilovoltage->setRange(voltage - KilovoltageRange, voltage + KilovoltageRange);
   this->Kilovoltage->setValue(active.Live.Kilovoltage());
   this->Equilibrium->clear();
+  this->TellSource();
   this->AttachScene(this->SqueezedView, active.Squeezed, active);
+  this->SqueezedView->Grabbed = [&active](int x, int y) { return active.Squeezed.OnSource(x, y); };
+  this->SqueezedView->Dragged = [this, &active](int x, int y)
+  {
+    BreastScene& scene = active.Squeezed;
+    const Vector3 shown = PlaceUnder(scene.Renderer(), x, y, scene.ShownSource());
+    this->SetSource(
+      active.Live.Placed().ToGantry(scene.SourceAt(shown)) - active.Viewed.Breast.Unit.FocalSpot());
+  };
 }
 
-void ResultPage::SetThickness(double thicknessMm)
+void ResultPage::TellSource()
+{
+  const Vector3& offset = this->Active().Live.SourceOffset();
+  this->SourceOffset->setText(tr("%1, %2, %3 mm beside its place")
+                                .arg(offset[0], 0, 'f', 0)
+                                .arg(offset[1], 0, 'f', 0)
+                                .arg(offset[2], 0, 'f', 0));
+}
+
+/// Gantry x, y and z, mm.
+void ResultPage::SetSource(const Vector3& offset)
+{
+  if (this->Result)
+  {
+    this->Active().Live.SetSourceOffset(offset);
+    this->TellSource();
+    this->Moved();
+  }
+}
+
+void ResultPage::SetPose()
 {
   if (!this->Result)
   {
     return;
   }
   OpenedMammogram& active = this->Active();
-  active.Live.SetPose(thicknessMm, active.Live.Pose().RollDeg);
-  if (!active.Viewed.Series.empty())
+  active.Live.SetPose(this->Thickness->value(), this->Roll->value());
+  if (const std::optional<CompressedAnatomy> known = active.Compress())
   {
-    const std::vector<double> points = active.Live.SeriesPoints(thicknessMm);
-    active.Live.SetPoints(points);
-    active.Squeezed.SetPoints(points);
-  }
-  else
-  {
-    active.Worker.Ask(active.Live.Pose());
-    if (const std::optional<CompressedAnatomy> reduced = active.Worker.Reduced(active.Live.Pose()))
-    {
-      this->Squeeze(active, *reduced);
-    }
+    this->TellEquilibrium(*known);
   }
   this->Moved();
 }
 
-void ResultPage::Squeeze(OpenedMammogram& mammogram, const CompressedAnatomy& answer)
+void ResultPage::TellEquilibrium(const CompressedAnatomy& answer)
 {
-  mammogram.Live.SetPoints(answer.Points);
-  mammogram.Squeezed.SetPoints(answer.Points);
   this->Equilibrium->setText(answer.ReducedFrom > 0
       ? tr("about %1 N, between known equilibria; the exact one follows")
           .arg(answer.PaddleForceN, 0, 'f', 0)
@@ -984,11 +998,7 @@ void ResultPage::Squeeze(OpenedMammogram& mammogram, const CompressedAnatomy& an
 /// Draws at half resolution until nothing has moved for a while.
 void ResultPage::Moved()
 {
-  constexpr double DrawnSource = 0.18;
-  this->IsMoving = true;
-  OpenedMammogram& active = this->Active();
-  active.Pane.Update(active.Live, 2);
-  active.Squeezed.SetUnit(active.Live, active.OnReceptor, DrawnSource);
+  this->Active().Update(2);
   this->PictureViews[std::min<std::size_t>(this->ActiveMammogram, 1)]->Redraw();
   this->SqueezedView->Redraw();
   this->Rest.start(RestMs);
@@ -1003,7 +1013,7 @@ void ResultPage::Tick()
     {
       this->Equilibrium->setText(tr("solving: %1").arg(QString::fromStdString(stage)));
     }
-    const std::optional<CompressedAnatomy> answer = mammogram->Worker.Take();
+    const std::optional<CompressedAnatomy> answer = mammogram->TakeEquilibrium();
     if (!answer)
     {
       continue;
@@ -1013,8 +1023,16 @@ void ResultPage::Tick()
       this->Complain(QString::fromStdString(answer->Error));
       continue;
     }
-    this->Squeeze(*mammogram, *answer);
-    this->Moved();
+    if (mammogram.get() == &this->Active())
+    {
+      this->TellEquilibrium(*answer);
+      this->Moved();
+    }
+    else
+    {
+      mammogram->Update(1);
+      this->UpdateMark(true);
+    }
   }
 }
 }

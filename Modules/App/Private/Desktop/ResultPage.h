@@ -2,10 +2,10 @@
 #ifndef mammoray_ResultPage_h
 #define mammoray_ResultPage_h
 
-#include "Private/Desktop/OpenedResult.h"
 #include "Private/Desktop/Places.h"
 #include "Private/Desktop/Task.h"
 #include "Private/Desktop/ViewWidget.h"
+#include "Private/OpenedResult.h"
 
 #include <QCoreApplication>
 #include <QTimer>
@@ -102,8 +102,10 @@ private:
   void RemovePlace();
   void SavePlaces();
   void Activate(int mammogram);
-  void SetThickness(double thicknessMm);
-  void Squeeze(OpenedMammogram& mammogram, const CompressedAnatomy& answer);
+  void TellSource();
+  void SetPose();
+  void SetSource(const Vector3& offset);
+  void TellEquilibrium(const CompressedAnatomy& answer);
   void Moved();
   void Tick();
   QList<ViewWidget*> AllViews() const;
@@ -117,12 +119,11 @@ private:
   QList<QAction*> Tools;
   QList<QAction*> MarkMenu;
   QList<QAction*> ViewMenu;
-  bool IsMoving = false;
   QTimer Ticker;
   QTimer Rest;
 
   QSplitter* Columns = nullptr;
-  std::array<ViewWidget*, SlicePanes::Count> SliceViews{};
+  ThreeViews SliceViews{};
   std::array<ViewWidget*, 2> PictureViews{};
   ViewWidget* SqueezedView = nullptr;
   ViewWidget* RestView = nullptr;
@@ -138,7 +139,9 @@ private:
   QPushButton* NoMammograms = nullptr;
   QComboBox* Unit = nullptr;
   QDoubleSpinBox* Thickness = nullptr;
+  QDoubleSpinBox* Roll = nullptr;
   QDoubleSpinBox* Kilovoltage = nullptr;
+  QLabel* SourceOffset = nullptr;
   QLabel* Equilibrium = nullptr;
   QWidget* Views = nullptr;
   QWidget* Waiting = nullptr;

@@ -2,6 +2,7 @@
 #include "Private/Desktop/ScenePage.h"
 
 #include "Private/KilovoltageSpectrum.h"
+#include "Private/SceneShapes.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -24,7 +25,6 @@
 #include <QVBoxLayout>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace mammoray
@@ -34,46 +34,18 @@ namespace
 constexpr int SceneRestMs = 250;
 /// The most that a source is moved, mm.
 constexpr double MostOffsetMm = 1e5;
-
-/// The place under a pixel of the view, in the plane across it through `depth`.
-Vector3 PlaceUnder(vtkRenderer* view, int x, int y, const Vector3& depth)
-{
-  view->SetWorldPoint(depth[0], depth[1], depth[2], 1);
-  view->WorldToDisplay();
-  view->SetDisplayPoint(x, y, view->GetDisplayPoint()[2]);
-  view->DisplayToWorld();
-  const double* world = view->GetWorldPoint();
-  return { world[0] / world[3], world[1] / world[3], world[2] / world[3] };
-}
 }
 
 ScenePage::Scenery::Scenery(const QString& path, const ProjectorOptions& projector)
-  : Description(ReadScene(path.toStdString()))
+  : Name(QFileInfo(path).fileName())
+  , Description(ReadScene(path.toStdString()))
+  , Whole(LoadPlacedScene(this->Description, path.toStdString()))
+  , Live(std::make_unique<LiveProjection>(this->Whole, projector))
+  , Pane(std::make_unique<ProjectionPane>(*this->Live))
+  , Samples(
+      std::make_unique<SampleScene>(this->Whole.Materials, *this->Live, this->Pane->NewTexture()))
 {
-  if (this->Description.HasSource() != this->Description.HasDetector())
-  {
-    throw InputError(
-      path.toStdString() + ": expected both source and detector, or neither, to look at");
-  }
-  this->Viewed.Name = path.toStdString();
-  this->Whole = LoadScene(this->Description);
-  if (!this->Description.HasSource())
-  {
-    this->Whole.Detector.Columns = this->Whole.Detector.Rows = 512;
-    PlaceAround(this->Whole);
-  }
-  this->Viewed.Scene = this->Whole;
-  this->Viewed.Scene.Samples = { { Assemble(this->Whole) } };
-  this->Viewed.Scene.Detector.Samples = 1;
-  this->Live = std::make_unique<LiveProjection>(this->Viewed, projector);
-  this->Pane = std::make_unique<ProjectionPane>(*this->Live);
-  this->Pane->Update(*this->Live, 1);
-  this->Pane->ResetWindow();
-  this->OnDetector->SetInputDataObject(this->Pane->Picture()->GetInputDataObject(0, 0));
-  this->OnDetector->SetColorModeToDirectScalars();
-  this->OnDetector->InterpolateOn();
-  this->Samples = std::make_unique<SampleScene>(this->Viewed, *this->Live, this->OnDetector);
-  this->Samples->Update(*this->Live, false);
+  this->Samples->Update(*this->Live);
   this->Samples->LookAt(*this->Live);
 }
 
@@ -98,11 +70,7 @@ ScenePage::ScenePage(const ProjectorOptions& projector)
   const auto complain = [this](const QString& complaint) { this->Complain(complaint); };
   this->Opening.Failed = this->Exposing.Failed = complain;
   this->Opening.Ended = [this]
-  {
-    this->Head->setText(this->Opened
-        ? QFileInfo(QString::fromStdString(this->Opened->Viewed.Name)).fileName()
-        : tr("No scene is open."));
-  };
+  { this->Head->setText(this->Opened ? this->Opened->Name : tr("No scene is open.")); };
   this->Exposing.Progressed = [this](double fraction, const QString& stage)
   {
     this->Progress->setValue(static_cast<int>(100 * fraction));
@@ -204,15 +172,8 @@ void ScenePage::Open(const QString& path)
 void ScenePage::Detach()
 {
   this->Rest.stop();
-  for (ViewWidget* view : { this->SetupView, this->PictureView })
-  {
-    view->Show({});
-    view->Fit = nullptr;
-    view->Clicked = nullptr;
-    view->Grabbed = nullptr;
-    view->Dragged = nullptr;
-    view->GreyDragged = nullptr;
-  }
+  this->SetupView->Clear();
+  this->PictureView->Clear();
   this->Opened.reset();
 }
 
@@ -303,7 +264,7 @@ void ScenePage::ListParts()
   }
   if (!description.Mesh.empty())
   {
-    for (const std::string& name : this->Opened->Viewed.Scene.Materials.Names())
+    for (const std::string& name : this->Opened->Whole.Materials.Names())
     {
       add(description.Mesh, name);
     }
@@ -364,7 +325,7 @@ void ScenePage::ReadControls()
   LiveProjection& live = *this->Opened->Live;
   live.SetTurn(this->Turn->value());
   live.SetEnergy(this->Energy->value());
-  const XRaySource& first = this->Opened->Viewed.Scene.Source;
+  const XRaySource& first = this->Opened->Whole.Source;
   if (first.Type != XRaySource::Kind::Parallel)
   {
     const Vector3 asked{ this->Source[0]->value(), this->Source[1]->value(),
@@ -390,20 +351,15 @@ void ScenePage::Draw(int divisor)
   Scenery& opened = *this->Opened;
   opened.Pane->Update(*opened.Live, divisor);
   opened.Pane->SetMark(this->Marked);
-  opened.Samples->Update(*opened.Live, false);
+  opened.Samples->Update(*opened.Live);
   if (divisor == 1)
   {
     this->PlotHistogram();
   }
   if (this->Marked && divisor == 1)
   {
-    const auto& [column, row] = *this->Marked;
     this->Seen->setText(
-      tr("pixel (%1, %2): %3")
-        .arg(column, 0, 'f', 1)
-        .arg(row, 0, 'f', 1)
-        .arg(QString::fromStdString(opened.Live->Describe(static_cast<int>(std::lround(column)),
-          static_cast<int>(std::lround(row))))));
+      QString::fromStdString(opened.Live->Describe((*this->Marked)[0], (*this->Marked)[1])));
   }
   this->PictureView->Redraw();
   this->SetupView->Redraw();
@@ -491,7 +447,7 @@ void ScenePage::SaveScene(const QString& path)
     {
       set("beam.kvp", { live.Energy() });
     }
-    else if (live.Energy() != KilovoltageOf(this->Opened->Viewed.Scene.XRays))
+    else if (live.Energy() != KilovoltageOf(this->Opened->Whole.XRays))
     {
       throw InputError("beam: expected a tube or a single energy for another voltage, found a "
                        "spectrum from a table");

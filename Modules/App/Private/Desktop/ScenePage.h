@@ -10,9 +10,6 @@
 #include "Private/SampleScene.h"
 #include "mammoray/IO/SceneIO.h"
 
-#include "vtkNew.h"
-#include "vtkTexture.h"
-
 #include <QCoreApplication>
 #include <QTimer>
 #include <QWidget>
@@ -59,13 +56,11 @@ private:
   struct Scenery
   {
     Scenery(const QString& path, const ProjectorOptions& projector);
+    QString Name;
     SceneDescription Description;
-    /// As the file has it, and as it is shown: with one ray per pixel.
     Scene Whole;
-    ViewedScene Viewed;
     std::unique_ptr<LiveProjection> Live;
     std::unique_ptr<ProjectionPane> Pane;
-    vtkNew<vtkTexture> OnDetector;
     std::unique_ptr<SampleScene> Samples;
   };
   QWidget* MakeSide();

@@ -604,12 +604,7 @@ void StudyPages::DetachTissue()
 {
   for (ViewWidget* view : this->TissueViews)
   {
-    view->Show({});
-    view->Fit = nullptr;
-    view->BeforeDraw = nullptr;
-    view->Scrolled = nullptr;
-    view->GreyDragged = nullptr;
-    view->Clicked = nullptr;
+    view->Clear();
   }
   this->Slices.reset();
   this->Segmented.reset();
@@ -630,36 +625,15 @@ void StudyPages::ShowTissue(std::shared_ptr<const StudyTissue> tissue)
   this->Viewed.Axes = AnatomicalAxes::FromCode("LPS");
   const MaterialTable table = FindMaterialTable(StudyMaterials);
   this->Slices = std::make_unique<SlicePanes>(this->Viewed, Palette(table.Materials.size()));
-  SlicePanes* slices = this->Slices.get();
-  const auto redraw = [this]
-  {
-    for (ViewWidget* view : this->TissueViews)
+  ShowSlices(*this->Slices, this->TissueViews,
+    [this](const Vector3& place)
     {
-      view->Redraw();
-    }
-  };
-  for (int pane = 0; pane < SlicePanes::Count; ++pane)
-  {
-    ViewWidget* view = this->TissueViews[static_cast<std::size_t>(pane)];
-    view->Fit = [slices] { slices->Frame(); };
-    view->BeforeDraw = [slices] { slices->Update(); };
-    view->Scrolled = [slices, pane, view](int steps)
-    {
-      slices->Scroll(pane, steps);
-      view->Redraw();
-    };
-    view->GreyDragged = [slices, redraw](double factor, double share)
-    {
-      slices->Adjust(factor, share);
-      redraw();
-    };
-    view->Clicked = [slices, pane, redraw](int x, int y)
-    {
-      slices->SetPoint(slices->Overlay(pane).WorldAt(x, y));
-      redraw();
-    };
-    view->Show({ slices->Renderer(pane) }, &slices->Overlay(pane));
-  }
+      this->Slices->SetMark(place, {});
+      for (ViewWidget* view : this->TissueViews)
+      {
+        view->Redraw();
+      }
+    });
   QStringList text{ tr("Breast %1 cm3, %2 % gland, stands out by %3 mm.")
                       .arg(this->Segmented->BreastCm3, 0, 'f', 0)
                       .arg(100 * this->Segmented->GlandFraction, 0, 'f', 0)

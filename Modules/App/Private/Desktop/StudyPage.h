@@ -104,7 +104,7 @@ private:
   QLabel* TissueText = nullptr;
   QPushButton* Edit = nullptr;
   QProgressBar* TissueProgress = nullptr;
-  std::array<ViewWidget*, SlicePanes::Count> TissueViews{};
+  ThreeViews TissueViews{};
   std::shared_ptr<const StudyTissue> Segmented;
   ViewedBreast Viewed;
   std::unique_ptr<SlicePanes> Slices;

@@ -67,6 +67,45 @@ void ViewWidget::Show(const std::vector<vtkRenderer*>& layers, PaneOverlay* over
   this->Refit();
 }
 
+void ViewWidget::Clear()
+{
+  this->Show({});
+  this->BeforeDraw = nullptr;
+  this->Fit = nullptr;
+  this->Clicked = nullptr;
+  this->GreyDragged = nullptr;
+  this->Scrolled = nullptr;
+  this->Grabbed = nullptr;
+  this->Dragged = nullptr;
+}
+
+void ShowSlices(SlicePanes& slices, const ThreeViews& views,
+  const std::function<void(const Vector3&)>& clicked)
+{
+  for (int pane = 0; pane < SlicePanes::Count; ++pane)
+  {
+    ViewWidget* view = views[static_cast<std::size_t>(pane)];
+    view->Fit = [&slices] { slices.Frame(); };
+    view->BeforeDraw = [&slices] { slices.Update(); };
+    view->Clicked = [&slices, pane, clicked](int x, int y)
+    { clicked(slices.Overlay(pane).WorldAt(x, y)); };
+    view->Scrolled = [&slices, pane, view](int steps)
+    {
+      slices.Scroll(pane, steps);
+      view->Redraw();
+    };
+    view->GreyDragged = [&slices, views](double factor, double share)
+    {
+      slices.Adjust(factor, share);
+      for (ViewWidget* shown : views)
+      {
+        shown->Redraw();
+      }
+    };
+    view->Show({ slices.Renderer(pane) }, &slices.Overlay(pane));
+  }
+}
+
 void ViewWidget::Redraw()
 {
   if (this->Pending || this->Layers.empty())
@@ -214,10 +253,6 @@ bool ViewWidget::SceneEvent(QEvent* event)
     if (event->type() == QEvent::MouseButtonRelease)
     {
       this->Grabs = false;
-      if (this->Dropped)
-      {
-        this->Dropped();
-      }
     }
     return true;
   }

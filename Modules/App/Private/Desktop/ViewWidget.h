@@ -2,7 +2,7 @@
 #ifndef mammoray_ViewWidget_h
 #define mammoray_ViewWidget_h
 
-#include "Private/PaneOverlay.h"
+#include "Private/SlicePanes.h"
 
 #include <QPoint>
 #include <QVTKOpenGLNativeWidget.h>
@@ -42,6 +42,8 @@ public:
 
   /// `layers`: the first is the lowest. `overlay`: of a picture or slice; else null.
   void Show(const std::vector<vtkRenderer*>& layers, PaneOverlay* overlay = nullptr);
+  /// Shows nothing, and forgets all functions below but DoubleClicked.
+  void Clear();
   /// Draws soon, once for any number of calls.
   void Redraw();
   /// Draws now.
@@ -58,10 +60,9 @@ public:
   std::function<void(double windowFactor, double levelShare)> GreyDragged;
   std::function<void(int steps)> Scrolled;
   std::function<void()> DoubleClicked;
-  /// A scene: whether a press there begins a drag of something; then where it goes, and the end.
+  /// A scene: whether a press there begins a drag of something; then where it goes.
   std::function<bool(int x, int y)> Grabbed;
   std::function<void(int x, int y)> Dragged;
-  std::function<void()> Dropped;
 
   std::array<int, 2> PlaceOf(const QPoint& at) const;
 
@@ -93,6 +94,12 @@ private:
   bool Pending = false;
   double Wheel = 0;
 };
+
+using ThreeViews = std::array<ViewWidget*, SlicePanes::Count>;
+
+/// Shows slices, which must outlive that, in three views; `clicked` gets the place.
+void ShowSlices(SlicePanes& slices, const ThreeViews& views,
+  const std::function<void(const Vector3&)>& clicked);
 }
 
 #endif
