@@ -359,11 +359,11 @@ void ResultPage::MakeUnit(QVBoxLayout* side)
   this->Thickness = number("thickness", tr(" mm"), 0.5);
   this->Roll = number("roll", tr(" deg"), 1);
   this->Kilovoltage = number("kilovoltage", tr(" kV"), 0.5);
-  for (QDoubleSpinBox* box : { this->Thickness, this->Roll })
-  {
-    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
-      [this] { this->SetPose(); });
-  }
+  // A box rounds: only the one that was changed counts.
+  connect(this->Thickness, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+    [this](double value) { this->SetPose(value, {}); });
+  connect(this->Roll, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+    [this](double value) { this->SetPose({}, value); });
   connect(this->Kilovoltage, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
     [this](double value)
     {
@@ -969,14 +969,16 @@ void ResultPage::SetSource(const Vector3& offset)
   }
 }
 
-void ResultPage::SetPose()
+void ResultPage::SetPose(const std::optional<double>& thicknessMm,
+  const std::optional<double>& rollDeg)
 {
   if (!this->Result)
   {
     return;
   }
   OpenedMammogram& active = this->Active();
-  active.Live.SetPose(this->Thickness->value(), this->Roll->value());
+  const BreastPose& pose = active.Live.Pose();
+  active.Live.SetPose(thicknessMm.value_or(pose.ThicknessMm), rollDeg.value_or(pose.RollDeg));
   if (const std::optional<CompressedAnatomy> known = active.Compress())
   {
     this->TellEquilibrium(*known);

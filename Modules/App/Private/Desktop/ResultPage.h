@@ -15,6 +15,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 class QAction;
@@ -103,7 +104,8 @@ private:
   void SavePlaces();
   void Activate(int mammogram);
   void TellSource();
-  void SetPose();
+  /// Thickness, mm, and roll, degrees; nothing: as it is.
+  void SetPose(const std::optional<double>& thicknessMm, const std::optional<double>& rollDeg);
   void SetSource(const Vector3& offset);
   void TellEquilibrium(const CompressedAnatomy& answer);
   void Moved();
