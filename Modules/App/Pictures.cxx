@@ -309,7 +309,7 @@ std::string WriteScenePicture(const Scene& scene, const PictureOptions& options,
     lines.push_back(live.Describe((*options.Pixel)[0], (*options.Pixel)[1]));
     pane.SetMark(options.Pixel);
   }
-  const std::string found = lines.empty() ? "" : lines.front();
+  std::string found = lines.empty() ? "" : lines.front();
   char text[60];
   std::snprintf(text, sizeof text, "%.1f %s, ", live.Energy(),
     live.IsSingleEnergy() ? "keV" : "kV");

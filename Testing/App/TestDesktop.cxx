@@ -8,6 +8,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshIO.h"
 
+#include "vtkCamera.h"
 #include "vtkPolyData.h"
 #include "vtkRenderer.h"
 
@@ -235,6 +236,40 @@ TEST_F(Desktop, GoesThroughSlicesAndChangesTheirGrey)
   EXPECT_EQ(grey(), scrolled);
 }
 
+TEST_F(Desktop, MeasuresWithARuler)
+{
+  this->OpenResult();
+  ViewWidget* view = this->Window->Result().View("mammogram1");
+  QTest::keyClick(this->Window.get(), Qt::Key_R);
+  constexpr int Pixels = 120;
+  const QPoint from = view->rect().center();
+  QTest::mousePress(view, Qt::LeftButton, {}, from);
+  QMouseEvent move(QEvent::MouseMove, from + QPoint(Pixels, 0), Qt::NoButton, Qt::LeftButton,
+    Qt::NoModifier);
+  QApplication::sendEvent(view, &move);
+  QTest::mouseRelease(view, Qt::LeftButton, {}, from + QPoint(Pixels, 0));
+  MammogramPane& pane = this->Window->Result().Opened()->Mammograms.front()->Pane;
+  const auto& ends = pane.Overlay().RulerEnds();
+  ASSERT_TRUE(ends.has_value());
+  const double pixelMm =
+    2 * pane.Renderer()->GetActiveCamera()->GetParallelScale() / view->height();
+  EXPECT_NEAR(Norm((*ends)[1] - (*ends)[0]), Pixels * pixelMm, 1e-6);
+  // It is drawn there, in yellow.
+  view->Draw();
+  const QImage drawn = view->grabFramebuffer();
+  int yellow = 0;
+  for (int x = from.x(); x < from.x() + Pixels; ++x)
+  {
+    for (int y = from.y() - 1; y <= from.y() + 1; ++y)
+    {
+      const QColor color = drawn.pixelColor(x, y);
+      yellow += color.red() > 200 && color.green() > 150 && color.blue() < 120 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(yellow, Pixels);
+  this->Keep("ruler");
+}
+
 TEST_F(Desktop, MovesTheSourceOfAMammogram)
 {
   this->OpenResult();
@@ -443,7 +478,7 @@ TEST_F(Desktop, DoesTheWholeJob)
   this->Window->Result().AddPlace();
   this->Window->ExportDisplacement(QString::fromStdString(this->Folder.File("field.nrrd")));
   ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
-  this->Window->ExportDicom(QString::fromStdString(this->Folder.File("objects")), true);
+  this->Window->ExportDicom(QString::fromStdString(this->Folder.File("objects")));
   ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
   EXPECT_TRUE(std::filesystem::exists(this->Folder.File("field.nrrd")));
   EXPECT_TRUE(std::filesystem::exists(this->Folder.File("objects/cc/report.dcm")));

@@ -264,55 +264,47 @@ void MainWindow::MakeExportMenu(QMenu* menu)
   this->NeedResult << this->Add(menu, "exportDisplacement", tr("&Displacement field..."), {},
     [this]
     {
-      this->ExportDisplacement(this->AskSave(tr("The displacement field"),
-        tr("Fields and transforms (*.nrrd *.mha *.h5)")));
+      this->AskSave(tr("The displacement field"), tr("Fields and transforms (*.nrrd *.mha *.h5)"),
+        [this](const QString& path) { this->ExportDisplacement(path); });
     });
   this->NeedResult << this->Add(menu, "exportDicom", tr("DICOM &objects..."), {},
     [this]
     {
-      const bool same =
-        QMessageBox::question(this, tr("DICOM objects"),
-          tr("The objects refer to the mammogram and name its patient and study. Go on?")) ==
-        QMessageBox::Yes;
-      const QString folder = same ? this->AskSave(tr("A new folder"), {}) : QString();
-      if (!folder.isEmpty())
+      if (QMessageBox::question(this, tr("DICOM objects"),
+            tr("The objects refer to the mammogram and name its patient and study. Go on?")) ==
+        QMessageBox::Yes)
       {
-        this->ExportDicom(folder, same);
+        this->AskSave(tr("A new folder"), {},
+          [this](const QString& folder) { this->ExportDicom(folder); });
       }
     });
   this->NeedResult << this->Add(menu, "send", tr("&Send DICOM objects..."), {},
     [this] { this->AskSend(); });
   this->Add(menu, "exportCase", tr("&Case file for the command line..."), {},
-    [this] { this->WriteCaseFile(this->AskSave(tr("The case file"), tr("Case files (*.json)"))); });
+    [this]
+    {
+      this->AskSave(tr("The case file"), tr("Case files (*.json)"),
+        [this](const QString& path) { this->WriteCaseFile(path); });
+    });
   this->Add(menu, "exportScreenshot", tr("Scr&eenshot..."), QKeySequence("Ctrl+P"),
     [this]
     {
-      const QString path = this->AskSave(tr("The window's picture"), tr("Pictures (*.png)"));
-      if (!path.isEmpty())
-      {
-        this->WriteScreenshot(path, this->size());
-      }
+      this->AskSave(tr("The window's picture"), tr("Pictures (*.png)"),
+        [this](const QString& path) { this->WriteScreenshot(path, this->size()); });
     });
   menu->addSeparator();
   this->NeedScene << this->Add(menu, "exportXray", tr("&X-ray of the scene..."),
     QKeySequence("Ctrl+E"),
     [this]
     {
-      const QString path =
-        this->AskSave(tr("The X-ray"), tr("Pictures and volumes (*.tif *.png *.mha *.nrrd *.vti)"));
-      if (!path.isEmpty())
-      {
-        this->SceneView->Expose(path);
-      }
+      this->AskSave(tr("The X-ray"), tr("Pictures and volumes (*.tif *.png *.mha *.nrrd *.vti)"),
+        [this](const QString& path) { this->SceneView->Expose(path); });
     });
   this->NeedScene << this->Add(menu, "exportScene", tr("Scene &file..."), QKeySequence::SaveAs,
     [this]
     {
-      const QString path = this->AskSave(tr("The scene as it stands"), tr("Scenes (*.json)"));
-      if (!path.isEmpty())
-      {
-        this->SceneView->SaveScene(path);
-      }
+      this->AskSave(tr("The scene as it stands"), tr("Scenes (*.json)"),
+        [this](const QString& path) { this->SceneView->SaveScene(path); });
     });
 }
 
@@ -515,9 +507,15 @@ void MainWindow::OpenResult(const QString& folder, const std::vector<std::string
   this->Results->Open(input);
 }
 
-QString MainWindow::AskSave(const QString& title, const QString& filter)
+void MainWindow::AskSave(const QString& title, const QString& filter,
+  const std::function<void(const QString&)>& save)
 {
-  return QFileDialog::getSaveFileName(this, title, QSettings().value("folder").toString(), filter);
+  const QString path =
+    QFileDialog::getSaveFileName(this, title, QSettings().value("folder").toString(), filter);
+  if (!path.isEmpty())
+  {
+    save(path);
+  }
 }
 
 void MainWindow::WriteScreenshot(const QString& path, const QSize& size)
@@ -537,10 +535,6 @@ void MainWindow::WriteScreenshot(const QString& path, const QSize& size)
 
 void MainWindow::ExportDisplacement(const QString& path)
 {
-  if (path.isEmpty())
-  {
-    return;
-  }
   this->Exporting.Start(
     [this, path, folder = this->Results->Opened()->Input.Result](
       const ProgressCallback& progress) -> Task::Outcome
@@ -558,10 +552,10 @@ void MainWindow::ExportDisplacement(const QString& path)
 }
 
 /// One folder for each mammogram that is shown.
-void MainWindow::ExportDicom(const QString& folder, bool samePatient)
+void MainWindow::ExportDicom(const QString& folder)
 {
   const ViewInput input = this->Results->Opened()->Input;
-  if (input.Mammograms.empty() || !samePatient)
+  if (input.Mammograms.empty())
   {
     this->Complain(
       tr("expected the mammograms of the result, to which DICOM objects refer; show them "
@@ -650,10 +644,6 @@ void MainWindow::AskSend()
 
 void MainWindow::WriteCaseFile(const QString& path)
 {
-  if (path.isEmpty())
-  {
-    return;
-  }
   try
   {
     WriteAtomicFile(path.toStdString(), this->Studies->CaseText().toStdString());

@@ -46,7 +46,7 @@ public:
   bool IsBusy() const;
   void WriteScreenshot(const QString& path, const QSize& size);
   void ExportDisplacement(const QString& path);
-  void ExportDicom(const QString& folder, bool samePatient);
+  void ExportDicom(const QString& folder);
   void WriteCaseFile(const QString& path);
 
 protected:
@@ -69,7 +69,9 @@ private:
   void Remember(const QString& path);
   void ListRecent();
   void AskSend();
-  QString AskSave(const QString& title, const QString& filter);
+  /// Asks for a file or folder, and calls `save` with its path if there is one.
+  void AskSave(const QString& title, const QString& filter,
+    const std::function<void(const QString&)>& save);
   void UpdateActions();
   void RestoreSettings();
 

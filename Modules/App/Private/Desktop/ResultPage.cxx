@@ -225,29 +225,26 @@ QWidget* ResultPage::MakeSide()
 
 void ResultPage::MakeTrust(QVBoxLayout* side)
 {
-  this->Verdict = new QLabel;
-  this->Verdict->setObjectName("verdict");
-  this->Verdict->setWordWrap(true);
-  this->Verdict->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  const auto text = [side](const char* name)
+  {
+    auto* label = new QLabel;
+    label->setObjectName(name);
+    label->setWordWrap(true);
+    label->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    side->addWidget(label);
+    return label;
+  };
+  this->Verdict = text("verdict");
   this->Verdict->setMargin(6);
-  this->Expected = new QLabel;
-  this->Expected->setObjectName("expected");
-  this->Expected->setWordWrap(true);
-  this->Expected->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  this->Reasons = new QLabel;
-  this->Reasons->setObjectName("reasons");
-  this->Reasons->setWordWrap(true);
-  this->Reasons->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  this->Reasons->hide();
+  this->Expected = text("expected");
   this->Why = new QToolButton;
   this->Why->setObjectName("why");
   this->Why->setText(tr("&Why?"));
   this->Why->setCheckable(true);
-  connect(this->Why, &QToolButton::toggled, this->Reasons, &QLabel::setVisible);
-  side->addWidget(this->Verdict);
-  side->addWidget(this->Expected);
   side->addWidget(this->Why);
-  side->addWidget(this->Reasons);
+  this->Reasons = text("reasons");
+  this->Reasons->hide();
+  connect(this->Why, &QToolButton::toggled, this->Reasons, &QLabel::setVisible);
 }
 
 void ResultPage::MakePlaces(QVBoxLayout* side)

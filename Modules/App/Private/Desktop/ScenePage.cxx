@@ -382,16 +382,26 @@ Scene ScenePage::Current() const
   return scene;
 }
 
-void ScenePage::Expose(const QString& path)
+/// False, after a complaint, where no scene is open or its samples are turned.
+bool ScenePage::CanSave()
 {
   if (!this->Opened)
   {
     this->Complain(tr("expected a scene, found none open"));
-    return;
+    return false;
   }
   if (this->Opened->Live->Turn() != 0)
   {
     this->Complain(tr("samples: expected them as the scene has them, found them turned"));
+    return false;
+  }
+  return true;
+}
+
+void ScenePage::Expose(const QString& path)
+{
+  if (!this->CanSave())
+  {
     return;
   }
   this->Progress->show();
@@ -412,17 +422,13 @@ void ScenePage::Expose(const QString& path)
 
 void ScenePage::SaveScene(const QString& path)
 {
+  if (!this->CanSave())
+  {
+    return;
+  }
   try
   {
-    if (!this->Opened)
-    {
-      throw InputError("expected a scene, found none open");
-    }
     const LiveProjection& live = *this->Opened->Live;
-    if (live.Turn() != 0)
-    {
-      throw InputError("samples: expected them as the scene has them, found them turned");
-    }
     SceneDescription description = this->Opened->Description;
     const auto set = [&description](const char* key, const std::vector<double>& values)
     {

@@ -76,6 +76,7 @@ private:
   void Moved();
   void Draw(int divisor);
   Scene Current() const;
+  bool CanSave();
 
   ProjectorOptions Projector;
   std::shared_ptr<Scenery> Opened;
