@@ -38,8 +38,7 @@ void DeclareInput(const OptionList& add, ViewArguments& arguments)
   const OptionList what = add.OneOf("What to look at, one of");
   what(Shared::Result, input.Result);
   what.File("--mesh", input.Mesh,
-    "tetrahedra (.vtu .vtk .msh), or a series of 'mammoray compress' (.pvd) of which --thickness "
-    "picks a step, or a place between two\n(cell array Material: those of the material table)");
+    "tetrahedra (.vtu .vtk .msh)\n(cell array Material: those of the material table)");
   what(Shared::Surface, arguments.Surfaces.Surfaces);
   what(Shared::Scene, arguments.Surfaces.File);
   AddUnitOption(add, arguments.Surfaces.Unit);

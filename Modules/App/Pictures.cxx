@@ -160,10 +160,6 @@ std::string Settle(OpenedMammogram& mammogram, const std::function<bool()>& stop
     return "";
   }
   mammogram.Compress();
-  if (!mammogram.Viewed.Series.empty())
-  {
-    return "";
-  }
   std::optional<CompressedAnatomy> answer;
   while (!(answer = mammogram.TakeEquilibrium()))
   {

@@ -12,6 +12,7 @@
 #include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/Intake.h"
+#include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 #include "mammoray/Study/ResultFile.h"
 
@@ -22,8 +23,6 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
-#include "vtkXMLDataElement.h"
-#include "vtkXMLUtilities.h"
 
 #include <algorithm>
 #include <cmath>
@@ -120,58 +119,11 @@ std::optional<double> ThicknessOf(vtkUnstructuredGrid* grid)
     : std::nullopt;
 }
 
-/// The files of a ParaView collection, in their order.
-std::vector<std::string> FilesOf(const std::string& path)
-{
-  if (!fs::is_regular_file(path))
-  {
-    throw InputError(path + ": no such file");
-  }
-  const auto root =
-    vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(path.c_str()));
-  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
-  std::vector<std::string> files;
-  for (int index = 0; collection && index < collection->GetNumberOfNestedElements(); ++index)
-  {
-    if (const char* file = collection->GetNestedElement(index)->GetAttribute("file"))
-    {
-      files.push_back((fs::path(path).parent_path() / file).string());
-    }
-  }
-  if (files.empty())
-  {
-    throw InputError(path + ": expected a series of 'mammoray compress' (.pvd), found no files");
-  }
-  return files;
-}
-
-/// Fills the series and answers the closed grid, its last one.
-vtkSmartPointer<vtkUnstructuredGrid> ReadSeries(const std::string& path, ViewedBreast& viewed)
-{
-  vtkSmartPointer<vtkUnstructuredGrid> grid;
-  for (const std::string& file : FilesOf(path))
-  {
-    const auto next = ReadMesh(file);
-    const std::optional<double> thickness = ThicknessOf(next);
-    if (!thickness || (grid && next->GetNumberOfPoints() != grid->GetNumberOfPoints()))
-    {
-      throw InputError(file + ": expected the field 'ThicknessMm' and the points of the series");
-    }
-    grid = next;
-    viewed.Series.push_back({ *thickness, PointsOf(next) });
-  }
-  std::stable_sort(viewed.Series.begin(), viewed.Series.end(),
-    [](const CompressionStep& a, const CompressionStep& b)
-    { return a.ThicknessMm > b.ThicknessMm; });
-  return grid;
-}
-
 ViewedBreast ReadMeshes(const ViewInput& input)
 {
   ViewedBreast viewed;
   const std::string& path = input.Mesh;
-  const auto grid =
-    fs::path(path).extension() == ".pvd" ? ReadSeries(path, viewed) : ReadMesh(path);
+  const auto grid = ReadMesh(path);
   if (input.Materials.empty())
   {
     throw InputError(path + ": expected a material table beside a mesh",
@@ -269,12 +221,10 @@ void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
     viewed.Tissue = std::make_shared<const LabelVolume>(
       viewed.Materials.ToMaterials(ReadLabelVolume(labels), labels));
   }
-  if (input.Lesions.empty())
+  if (!input.Lesions.empty())
   {
-    return;
+    viewed.Lesions = std::make_shared<const LabelVolume>(ReadLesions(input.Lesions, axes));
   }
-  viewed.Lesions = std::make_shared<const LabelVolume>(ReadLesions(input.Lesions, axes));
-  viewed.LesionList = FindLesions(*viewed.Lesions);
 }
 
 /// The pose that is asked for, and what follows of it.
@@ -361,7 +311,6 @@ std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input)
     viewed.Image = all.front().Image;
     viewed.Tissue = all.front().Tissue;
     viewed.Lesions = all.front().Lesions;
-    viewed.LesionList = all.front().LesionList;
     viewed.Mechanics.Volume = all.front().Mechanics.Volume;
     Complete(input, viewed);
   }

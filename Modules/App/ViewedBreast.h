@@ -10,7 +10,6 @@
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/LabelSource.h"
-#include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredBreast.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammorayAppModule.h"
@@ -27,7 +26,7 @@ namespace mammoray
 struct ViewInput
 {
   /// Folder of 'mammoray register'; or a mesh (.vtu), which may be one that 'mammoray compress'
-  /// wrote, or a series (.pvd) of that command. One of them.
+  /// wrote. One of them.
   std::string Result;
   std::string Mesh;
   /// DICOM MG, those registered of a result, in any order; empty: none is shown.
@@ -55,14 +54,6 @@ struct ViewInput
   std::string SimulationMesh;
 };
 
-/// Points of the anatomy between plates of this distance.
-struct CompressionStep
-{
-  double ThicknessMm = 0;
-  /// 3 x pointCount, mm, volume frame.
-  std::vector<double> Points;
-};
-
 /// What the views of a breast in one unit need to know.
 struct ViewedBreast
 {
@@ -74,7 +65,6 @@ struct ViewedBreast
   std::shared_ptr<const IntensityVolume> Image;
   std::shared_ptr<const LabelVolume> Tissue;
   std::shared_ptr<const LabelVolume> Lesions;
-  std::vector<Lesion> LesionList;
   /// As it stands at the beginning; compressed may be uncompressed. The grid is the mammogram's, or
   /// one that holds the breast.
   BreastInUnit Breast;
@@ -88,8 +78,6 @@ struct ViewedBreast
   char Laterality = '?';
   /// With its picture, on Breast's grid; none without a mammogram.
   std::optional<RegistrationTarget> Real;
-  /// Known states, by falling thickness; mostly none.
-  std::vector<CompressionStep> Series;
   /// How far the registration may be relied on; good, and nothing expected, where there is none.
   Assessment Trust;
   std::optional<ExpectedError> Expected;

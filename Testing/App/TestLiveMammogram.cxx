@@ -115,27 +115,6 @@ TEST_F(LiveMammogramTest, IsDarkerAtHigherVoltageWithoutNewRays)
   }
 }
 
-TEST_F(LiveMammogramTest, GoesThroughASeries)
-{
-  const std::vector<double>& rest = this->Viewed.Anatomy.Points;
-  std::vector<double> flat = rest;
-  for (std::size_t index = 2; index < flat.size(); index += 3)
-  {
-    flat[index] *= 0.5;
-  }
-  this->Viewed.Series = { { 80, rest }, { 40, flat } };
-  LiveMammogram live(this->Viewed, {});
-  EXPECT_EQ(live.SeriesPoints(100), rest);
-  EXPECT_EQ(live.SeriesPoints(80), rest);
-  EXPECT_EQ(live.SeriesPoints(40), flat);
-  EXPECT_EQ(live.SeriesPoints(30), flat);
-  const std::vector<double> between = live.SeriesPoints(50);
-  for (std::size_t index = 0; index < rest.size(); ++index)
-  {
-    EXPECT_NEAR(between[index], 0.25 * rest[index] + 0.75 * flat[index], 1e-12);
-  }
-}
-
 TEST_F(LiveMammogramTest, KeepsTheSourceAboveThePaddle)
 {
   LiveMammogram live(this->Viewed, {});

@@ -5,14 +5,8 @@
 #include "SurfaceShapes.h"
 #include "VirtualDisplay.h"
 
-#include "mammoray/Study/CompressionGrids.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkNew.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 
 #include <cstdio>
@@ -73,26 +67,6 @@ TEST_F(ViewCommand, TakesOneOfTheVolumesOfAFolderAsFuseDoes)
   input.Image = folder;
   input.ImageSeries = 2;
   EXPECT_EQ(ReadViewedBreasts(input).front().Image->Size[2], 50);
-}
-
-TEST_F(ViewCommand, TakesASeriesOfCompressAsAMesh)
-{
-  ViewInput input = test::WriteSmallBreast(this->Folder);
-  const auto gridAt = [](double thicknessMm)
-  {
-    auto grid = ToGrid(test::SmallBreastMesh(), { "air", "fat", "wall", "gland" });
-    vtkNew<vtkDoubleArray> thickness;
-    thickness->SetName("ThicknessMm");
-    thickness->InsertNextValue(thicknessMm);
-    grid->GetFieldData()->AddArray(thickness);
-    return grid;
-  };
-  input.Mesh = this->Folder.File("closing.pvd");
-  WriteSeries(input.Mesh, { gridAt(80), gridAt(70), gridAt(60) });
-  const std::vector<CompressionStep> series = ReadViewedBreasts(input).front().Series;
-  ASSERT_EQ(series.size(), 3u);
-  EXPECT_EQ(series[0].ThicknessMm, 80);
-  EXPECT_EQ(series[2].ThicknessMm, 60);
 }
 
 TEST_F(ViewCommand, LocatesInAResult)
@@ -163,6 +137,11 @@ TEST_F(ViewCommand, ShowsSurfacesAndScenes)
   this->ExpectRefused(this->MeshArguments + " --kev 20" + output, "--kev: expected --surface");
   this->ExpectRefused("view --scene " + this->Folder.Write("none.json", "{}") + output,
     "expected samples to look at");
+  this->ExpectRefused("view --scene " + this->Folder.Write("half.json", R"({
+      "source": { "position": [0, -500, 0] },
+      "samples": [ { "file": "box.stl", "unit": "um", "material": "Ti" } ] })") +
+      output,
+    "expected both source and detector, or neither");
 }
 
 TEST_F(ViewCommand, RefusesInOneLine)

@@ -334,8 +334,7 @@ void BreastScene::SetMark(const std::vector<Vector3>& point, const std::vector<V
   SetLines(this->MarkedLoops, loops, true);
 }
 
-bool BreastScene::Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>& corners,
-  std::array<double, 3>& weights)
+std::optional<Vector3> BreastScene::Pick(int x, int y, const TetrahedralMesh& rest)
 {
   // Opaque parts hide each other and are picked together; the skin where they are missed.
   for (const bool skin : { false, true })
@@ -360,18 +359,21 @@ bool BreastScene::Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>
     {
       continue;
     }
-    picker->GetPickPosition(point.data());
     double parametric[3];
     picker->GetPCoords(parametric);
-    weights = { 1 - parametric[0] - parametric[1], parametric[0], parametric[1] };
+    const double weights[] = { 1 - parametric[0] - parametric[1], parametric[0], parametric[1] };
+    Vector3 point{ 0, 0, 0 };
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
-      corners[corner] = this->PointIds[static_cast<std::size_t>(
-        part->Corners[3 * static_cast<std::size_t>(picker->GetCellId()) + corner])];
+      const vtkIdType id =
+        part->Corners[3 * static_cast<std::size_t>(picker->GetCellId()) + corner];
+      point = point +
+        weights[corner] *
+          rest.Point(static_cast<std::size_t>(this->PointIds[static_cast<std::size_t>(id)]));
     }
-    return true;
+    return point;
   }
-  return false;
+  return std::nullopt;
 }
 
 bool BreastScene::OnSource(int x, int y)

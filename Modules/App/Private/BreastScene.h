@@ -11,6 +11,7 @@
 #include "vtkSmartPointer.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,13 +58,9 @@ public:
   void SetMark(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
     const std::vector<Loop>& loops);
 
-  /**
-   * What is seen at a place of the window, pixels: first what lies inside, then the skin. False
-   * where there is nothing; else `point` is where, and `corners` and `weights` the surface's points
-   * around it.
-   */
-  bool Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>& corners,
-    std::array<double, 3>& weights);
+  /// What is seen at a place of the window, pixels: first what lies inside, then the skin. The
+  /// place of the same tissue in `rest`, the anatomy uncompressed; nothing beside the breast.
+  std::optional<Vector3> Pick(int x, int y, const TetrahedralMesh& rest);
   /// True at the drawn source.
   bool OnSource(int x, int y);
 

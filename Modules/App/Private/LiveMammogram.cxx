@@ -119,26 +119,6 @@ void LiveMammogram::SetPoints(const std::vector<double>& points)
   this->RaysStale = true;
 }
 
-std::vector<double> LiveMammogram::SeriesPoints(double thicknessMm) const
-{
-  const std::vector<CompressionStep>& series = this->Viewed.Series;
-  const auto after = std::find_if(series.begin(), series.end(),
-    [&](const CompressionStep& step) { return step.ThicknessMm <= thicknessMm; });
-  if (after == series.begin() || after == series.end())
-  {
-    return after == series.begin() ? series.front().Points : series.back().Points;
-  }
-  const CompressionStep& before = *std::prev(after);
-  const double share =
-    (before.ThicknessMm - thicknessMm) / (before.ThicknessMm - after->ThicknessMm);
-  std::vector<double> points(before.Points.size());
-  for (std::size_t index = 0; index < points.size(); ++index)
-  {
-    points[index] = before.Points[index] + share * (after->Points[index] - before.Points[index]);
-  }
-  return points;
-}
-
 VolumeFromGantry LiveMammogram::Placed() const
 {
   return PlaceUnit(this->Viewed.Frame, this->Viewed.Breast.Unit, this->UnitPose);

@@ -36,9 +36,6 @@ public:
   /// Where the anatomy's points are, 3 x pointCount, mm, volume frame.
   void SetPoints(const std::vector<double>& points);
   const std::vector<double>& Points() const { return this->Moved; }
-  /// Points of a thickness between the steps of the series, which must have some, linear between
-  /// neighbours.
-  std::vector<double> SeriesPoints(double thicknessMm) const;
 
   /// The picture's grid, `divisor` (1 or 2) of its pixels as one; gantry frame of the unit.
   const ReceptorGrid& Grid(int divisor) const

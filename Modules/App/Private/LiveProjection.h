@@ -33,6 +33,7 @@ public:
   /// keV of a single energy, kV of a tube; kept in EnergyRange.
   void SetEnergy(double energy);
   double Energy() const { return this->EnergyNow; }
+  const Spectrum& XRays() const { return this->Current.XRays; }
   bool IsSingleEnergy() const { return this->SingleEnergy; }
   const std::array<double, 2>& EnergyRange() const { return this->Range; }
 

@@ -38,11 +38,6 @@ void OpenedMammogram::SetPoints(const std::vector<double>& points)
 std::optional<CompressedAnatomy> OpenedMammogram::Compress()
 {
   const BreastPose& pose = this->Live.Pose();
-  if (!this->Viewed.Series.empty())
-  {
-    this->SetPoints(this->Live.SeriesPoints(pose.ThicknessMm));
-    return std::nullopt;
-  }
   this->Worker.Ask(pose);
   std::optional<CompressedAnatomy> reduced = this->Worker.Reduced(pose);
   if (reduced)

@@ -32,10 +32,8 @@ struct MAMMORAYAPP_EXPORT OpenedMammogram
   }
   /// Projects the breast as it stands, and draws the unit around it.
   void Update(int divisor);
-  /**
-   * Brings the breast between the plates as they stand: of a series at once; else the worker is
-   * asked for the equilibrium, and what it knows of it already is shown and returned.
-   */
+  /// Asks the worker for the equilibrium between the plates as they stand. What it knows of it
+  /// already is shown and returned.
   std::optional<CompressedAnatomy> Compress();
   /// Shows what the worker has finished, and returns it; if the plates have moved on since, what it
   /// knows of their pose now. After an error nothing is shown.

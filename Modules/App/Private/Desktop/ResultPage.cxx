@@ -597,20 +597,10 @@ void ResultPage::AttachScene(ViewWidget* view, BreastScene& scene, const OpenedM
   view->Fit = [&scene, &mammogram] { mammogram.LookAt(scene); };
   view->Clicked = [this, &scene, &mammogram](int x, int y)
   {
-    Vector3 point;
-    std::array<std::int32_t, 3> corners{};
-    std::array<double, 3> weights{};
-    if (!scene.Pick(x, y, point, corners, weights))
+    if (const auto place = scene.Pick(x, y, mammogram.Viewed.Anatomy))
     {
-      return;
+      this->MarkPoint(*place);
     }
-    Vector3 rest{ 0, 0, 0 };
-    for (std::size_t corner = 0; corner < 3; ++corner)
-    {
-      rest = rest +
-        weights[corner] * mammogram.Viewed.Anatomy.Point(static_cast<std::size_t>(corners[corner]));
-    }
-    this->MarkPoint(rest);
   };
   view->Show({ scene.Renderer(), scene.MarkRenderer() });
 }

@@ -287,7 +287,7 @@ void ScenePage::TellSource()
 
 void ScenePage::PlotSpectrum()
 {
-  const Spectrum spectrum = this->Current().XRays;
+  const Spectrum& spectrum = this->Opened->Live->XRays();
   this->SpectrumPlot->setVisible(spectrum.EnergiesKeV.size() > 1);
   this->SpectrumPlot->SetCurve(spectrum.EnergiesKeV, spectrum.Weights, tr("photons, keV"));
 }
@@ -371,14 +371,7 @@ Scene ScenePage::Current() const
   Scene scene = this->Opened->Whole;
   const LiveProjection& live = *this->Opened->Live;
   scene.Source = live.Source();
-  if (live.IsSingleEnergy())
-  {
-    scene.XRays = Spectrum::Monochromatic(live.Energy());
-  }
-  else if (live.Energy() != KilovoltageOf(scene.XRays))
-  {
-    scene.XRays = AtKilovoltage(scene.XRays, live.Energy());
-  }
+  scene.XRays = live.XRays();
   return scene;
 }
 
