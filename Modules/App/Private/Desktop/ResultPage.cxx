@@ -7,8 +7,6 @@
 #include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/LesionShadow.h"
 
-#include "vtkRenderer.h"
-
 #include <QAction>
 #include <QActionGroup>
 #include <QApplication>

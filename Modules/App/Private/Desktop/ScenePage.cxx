@@ -9,7 +9,6 @@
 #include "mammoray/XRay/Exposer.h"
 
 #include "vtkImageData.h"
-#include "vtkRenderer.h"
 
 #include <QDoubleSpinBox>
 #include <QFileInfo>

@@ -5,7 +5,6 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 
-#include "vtkRenderer.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <QComboBox>
