@@ -284,7 +284,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
   expectRefused(this->Common + this->Folder.File("coarser.vtu") +
-      " --thickness 0.2 --accept-unusual",
+      " --thickness 0.02 --accept-unusual",
     "last one reached is at");
   EXPECT_THAT(this->Errors, testing::HasSubstr("--anterior 5 moves them off"));
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);
