@@ -122,7 +122,10 @@ void MeasureTwoViews(const StudyTruth& truth, const std::string& resultFolder, n
   struct Registered
   {
     const TrueView* View;
+    ReceptorGrid Grid;
     RegisteredBreast Breast;
+
+    bool Shows(std::size_t point) const { return this->Grid.Contains(this->View->Receptor[point]); }
   };
   std::vector<Registered> views;
   for (const char* name : { "CC", "MLO" })
@@ -132,13 +135,14 @@ void MeasureTwoViews(const StudyTruth& truth, const std::string& resultFolder, n
     {
       if (view && result.Mammogram.View == name)
       {
-        views.push_back({ view, RegisteredBreast(ReadBreastInUnit(result)) });
+        const BreastInUnit breast = ReadBreastInUnit(result);
+        views.push_back({ view, breast.Grid, RegisteredBreast(breast) });
       }
     }
   }
   for (std::size_t index = 0; views.size() == 2 && index < truth.MriPoints.size(); ++index)
   {
-    if (views[0].View->Receptor[index][1] < 0 || views[1].View->Receptor[index][1] < 0)
+    if (!views[0].Shows(index) || !views[1].Shows(index))
     {
       continue;
     }

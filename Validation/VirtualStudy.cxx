@@ -219,6 +219,7 @@ private:
     pose.YawDeg = draws.Between(-3, 3);
     pose.LateralMm = draws.Between(-10, 10);
     pose.AnteriorMm = draws.Between(0, 8);
+    pose.VerticalMm = draws.Between(-8, 8);
     pose.TiltDeg = 2;
     const VolumeFromGantry placed = this->Placement.At(pose);
     pose.ThicknessMm = draws.Between(0.48, 0.65) * HeightBetweenPlates(breast, placed);
