@@ -24,14 +24,11 @@ namespace mammoray
 {
 namespace
 {
-/// All ends of the grid but the one in front of the breast; DICOM LPS.
-std::vector<std::string> SidesOfBody(const VolumeGrid& grid)
+/// The end of the grid's axis that leads backwards most; DICOM LPS.
+std::string PosteriorSide(const VolumeGrid& grid)
 {
   const std::size_t depth = grid.AxisAlong({ 0, 1, 0 });
-  std::vector<std::string> sides = GridSides();
-  sides.erase(sides.begin() +
-    static_cast<std::ptrdiff_t>(2 * depth + (grid.Direction[depth][1] > 0 ? 0 : 1)));
-  return sides;
+  return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
 }
 
 /// Distance from the front of fixed tissue to that of the rest, mm: all but the hundredth part of
@@ -79,9 +76,8 @@ StudyTissue MakeStudyTissue(LabelVolume&& materials, IntensityVolume&& mri,
   }
   const std::vector<bool> fixed = table.Fixed();
   tissue.Breast = KeepBreast(tissue.Labels, fixed, AnatomicalAxes());
-  // The body goes on behind the tissue, beyond the field of view and beyond the midline. Let go
-  // there, what lies beside the breast folds up before the plates.
-  tissue.Cut = CutTissue(tissue.Labels, tissue.Labels, table, SidesOfBody(tissue.Labels));
+  // Beside the breast, in front of the chest wall, the plates push what was cut before them.
+  tissue.Cut = CutTissue(tissue.Labels, tissue.Labels, table, { PosteriorSide(tissue.Labels) });
   const std::vector<int> gland = table.Glandular();
   double glandCm3 = 0;
   for (const auto& [material, count] : tissue.Breast.CountLabels())
