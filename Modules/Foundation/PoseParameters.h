@@ -77,10 +77,11 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
   { AnteriorParameter, "anterior", "mm", "Shift away from the chest wall",
     "distance of the receptor's edge from the chest wall", &BreastPose::AnteriorMm, 5, 50, 0, -20,
     NoBound, 5, 0, true, false },
-  // This shift is along the beam and has almost no effect on the picture.
+  // A picture hardly tells how high a support was raised; the breast's middle is uncertain by as
+  // much in a segmented volume.
   { VerticalParameter, "vertical", "mm", "Shift along the beam",
     "height of the plates' middle over the breast's middle; positive towards the source",
-    &BreastPose::VerticalMm, 0, 30, 0, NoBound, NoBound, 5, 0, false, false },
+    &BreastPose::VerticalMm, 0, 30, 0, NoBound, NoBound, 5, 5, true, false },
   { TiltParameter, "tilt", "deg", "Tilt of the paddle",
     "turn of the paddle about its chest-wall edge; positive opens it towards the nipple",
     &BreastPose::TiltDeg, 0, 10, 0, NoBound, NoBound, 2, 2, true, false },

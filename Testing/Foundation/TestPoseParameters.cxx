@@ -49,7 +49,7 @@ TEST(PoseParameters, AreFoundByNameWithTheNearestInTheError)
     "thickness roll pitch yaw lateral anterior vertical tilt stiffness");
   EXPECT_EQ(FreePoseParameterNames(),
     (std::vector<std::string>{ "thickness", "roll", "pitch", "yaw", "lateral", "anterior",
-      "tilt" }));
+      "vertical", "tilt" }));
 }
 
 TEST(PoseParameters, BoundsFollowTheStart)

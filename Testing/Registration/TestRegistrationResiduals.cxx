@@ -341,5 +341,5 @@ TEST(DefaultParameters, StartWithinTheirBounds)
   }
   EXPECT_EQ(parameters[ThicknessParameter].Start, 62);
   EXPECT_EQ(parameters[RollParameter].Start, 45);
-  EXPECT_TRUE(parameters[VerticalParameter].Fixed);
+  EXPECT_TRUE(parameters[StiffnessParameter].Fixed);
 }

@@ -106,7 +106,7 @@ TEST_F(OtherSearches, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
     EXPECT_LT(result.Iterations[index].Cost, result.Iterations[index - 1].Cost);
   }
   EXPECT_EQ(result.Values, result.Iterations.back().Parameters);
-  EXPECT_EQ(result.Values[VerticalParameter], 0); // fixed
+  EXPECT_EQ(result.Values[StiffnessParameter], 1); // fixed
   for (int index = 0; index < ParameterCount; ++index)
   {
     EXPECT_GE(result.Values[index], problem.Views[0].Parameters[index].Lower);
