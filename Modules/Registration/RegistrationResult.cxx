@@ -61,13 +61,6 @@ void AddMechanics(const ViewResult& result, const Add& add)
         " N: what holds the breast in the model is not the plates. At least a twentieth of the "
         "other's force is wanted of each.");
   }
-  if (result.State.LargestWallGlideMm > 30)
-  {
-    add(Trust::Doubtful,
-      "The breast has glided along the chest wall by " +
-        NumberText(result.State.LargestWallGlideMm, 0) +
-        " mm in the model, 30 mm or less is wanted: how it is held there is a guess.");
-  }
   if (result.OtherEquilibriumMm > 3)
   {
     add(Trust::Doubtful,

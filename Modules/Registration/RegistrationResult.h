@@ -216,10 +216,10 @@ inline constexpr double LeastTissueCorrelation = 0.3;
  * largest above 5 mm (10 mm: none), a search that did not converge, a parameter at its bound or
  * more than three standard deviations (its prior's and its own) away from its start, figures that
  * are not numbers (none). Mechanics make a result doubtful if one plate presses with less than a
- * twentieth of the other's force, if the breast glides along the chest wall by more than 30 mm, and
- * if it has another equilibrium at this pose, 3 mm off on average or more. The header does if its
- * thickness is more than 5 mm or 15 % from the one found, as far as units may be off (twice as
- * much: none), and so do Disagreements. The limits are rules of thumb, not clinical validation.
+ * twentieth of the other's force, and if the breast has another equilibrium at this pose, 3 mm off
+ * on average or more. The header does if its thickness is more than 5 mm or 15 % from the one
+ * found, as far as units may be off (twice as much: none), and so do Disagreements. The limits are
+ * rules of thumb, not clinical validation.
  */
 MAMMORAYREGISTRATION_EXPORT Assessment Assess(const ViewResult& result);
 
