@@ -434,7 +434,7 @@ TEST_F(RegisteredPhantom, IsRegisteredWithASecondMammogram)
   {
     const nlohmann::json own = nlohmann::json::parse(ReadFile(joint + view + "/result.json"));
     EXPECT_GT(own.at("correlation").get<double>(), 0.9);
-    EXPECT_EQ(own.at("parameters").at(8).at("value"), shared.at("unknowns").at(7).at("value"));
+    EXPECT_EQ(own.at("parameters").at(8).at("value"), shared.at("unknowns").at(8).at("value"));
     EXPECT_GT(fs::file_size(joint + view + "/compressed.vtu"), 0u);
   }
   ASSERT_EQ(this->Run(both + " --overwrite --resume " + joint), 0) << this->Errors;
