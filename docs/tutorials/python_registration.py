@@ -80,6 +80,7 @@ compression.SetSimulationMeshConnection(coarse.GetOutputPort())
 compression.SetMaterialTable("victre")
 compression.SetOrientation("ALS")
 compression.SetThicknessMm(60)
+compression.SetAnteriorMm(5)  # as far in front of the chest wall, which does not move
 compression.Update()
 displacement = vtk_to_numpy(compression.GetOutput().GetPointData().GetArray("Displacement"))
 force = vtk_to_numpy(compression.GetOutput().GetFieldData().GetArray("PaddleForceN"))[0]
