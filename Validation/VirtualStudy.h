@@ -80,10 +80,10 @@ inline constexpr const char* StudyProjectionsFile = "cc-projections.dcm";
  * standing, with the paddle tilted by 2 degrees, on another mesh of other elements (linear,
  * patch-averaged), the unit square on the chest wall behind the breast and pressed towards it until
  * 86 % of the points lie in front of the receptor's edge, or by 3 mm, with the breast in the middle
- * of the receptor to 10 mm and the plates about its middle to 8. It is X-rayed as CC and MLO, on a
- * field of 24 x 18 cm or, if that cuts the breast off at its front, 30 x 24: For Presentation (12
- * bits, a display curve), with noise, another spectrum than the default, and a header whose
- * thickness is off by up to 4 mm.
+ * of the receptor to 10 mm. The plates stand at most 8 mm above or below its middle. It is X-rayed
+ * as CC and MLO, on a field of 24 x 18 cm or, if that cuts the breast off at its front, 30 x 24:
+ * For Presentation (12 bits, a display curve), with noise, another spectrum than the default, and a
+ * header whose thickness is off by up to 4 mm.
  *
  * `materials`: indices of `table`, some held, in a frame with these `axes`. Throws InputError, also
  * if they hold two breasts (MidlineBetweenBreasts) or FOLDER is not empty; ConvergenceError if

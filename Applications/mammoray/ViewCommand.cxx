@@ -132,12 +132,14 @@ std::string DrawSurfaces(const ViewArguments& arguments)
       surfaces.Settings.push_back({ option, key, given->results() });
     }
   }
-  const Scene scene =
+  Scene scene =
     LoadPlacedScene(ReadSceneArguments(surfaces), surfaces.File.empty() ? "view" : surfaces.File);
+  scene.Samples = { { Assemble(scene) } }; // once, for the overlap and for the X-ray
   if (scene.OverlapPriority.empty())
   {
-    const std::string overlap = MeasureOverlap(*Assemble(scene), scene.Source, scene.Detector)
-                                  .Warning(scene.Materials.Names());
+    const std::string overlap =
+      MeasureOverlap(*scene.Samples.front().Surface, scene.Source, scene.Detector)
+        .Warning(scene.Materials.Names());
     if (!overlap.empty())
     {
       std::fprintf(stderr,

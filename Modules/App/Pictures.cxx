@@ -299,17 +299,17 @@ std::string WriteScenePicture(const Scene& scene, const PictureOptions& options,
   ProjectionPane pane(live);
   SampleScene samples(scene.Materials, live, pane.NewTexture());
   samples.Update(live);
-  std::vector<std::string> lines;
-  if (options.Pixel)
-  {
-    lines.push_back(live.Describe((*options.Pixel)[0], (*options.Pixel)[1]));
-    pane.SetMark(options.Pixel);
-  }
-  std::string found = lines.empty() ? "" : lines.front();
   char text[60];
   std::snprintf(text, sizeof text, "%.1f %s, ", live.Energy(),
     live.IsSingleEnergy() ? "keV" : "kV");
-  lines.insert(lines.begin(), text + SourceText(live.SourceOffset()));
+  std::vector<std::string> lines{ text + SourceText(live.SourceOffset()) };
+  std::string found;
+  if (options.Pixel)
+  {
+    found = live.Describe((*options.Pixel)[0], (*options.Pixel)[1]);
+    lines.push_back(found);
+    pane.SetMark(options.Pixel);
+  }
   Sheet sheet(options, lines, {}, scene.Materials, samples.Colors());
   sheet.Place(samples.Renderer(), 0, 0, SceneShare, 1);
   sheet.Place(pane.Renderer(), SceneShare, 0, 1, 1);

@@ -77,8 +77,8 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
   { AnteriorParameter, "anterior", "mm", "Shift away from the chest wall",
     "distance of the receptor's edge from the chest wall", &BreastPose::AnteriorMm, 5, 50, 0, -20,
     NoBound, 5, 0, true, false },
-  // A picture hardly tells how high a support was raised; the breast's middle is uncertain by as
-  // much in a segmented volume.
+  // A picture hardly shows how high the support was raised, and the middle of a segmented breast is
+  // uncertain by some millimetres.
   { VerticalParameter, "vertical", "mm", "Shift along the beam",
     "height of the plates' middle over the breast's middle; positive towards the source",
     &BreastPose::VerticalMm, 0, 30, 0, NoBound, NoBound, 5, 5, true, false },
