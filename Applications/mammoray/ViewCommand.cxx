@@ -106,8 +106,8 @@ std::string DrawBreast(const ViewArguments& arguments)
 /// Refuses what is of breasts only.
 void CheckSurfaceOptions(const Command& command)
 {
-  const std::vector<std::string> known{ "surface", "scene", "materials", "spectrum", "kev", "kvp",
-    "source", "pixel", "size", "screenshot" };
+  const std::vector<std::string> known{ "surface", "unit", "scene", "materials", "spectrum", "kev",
+    "kvp", "source", "pixel", "size", "screenshot" };
   for (const Declaration& declaration : command.Declarations)
   {
     const std::string name = declaration.Name();

@@ -130,6 +130,10 @@ TEST_F(ViewCommand, ShowsSurfacesAndScenes)
   ASSERT_EQ(this->Run("view --surface Ti=" + file + " --kev 100 --pixel 255 255" + output), 0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr(", Ti 100.0 mm\n"));
+  ASSERT_EQ(this->Run("view --surface Ti=" + file + " --unit um --kev 30 --pixel 255 255" + output),
+    0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr(", Ti 100 um\n"));
   ASSERT_EQ(this->Run("view --scene " + scene + " --kev 20" + output), 0) << this->Errors;
   this->ExpectRefused("view --scene " + scene + " --blend 0.2" + output,
     "--blend: expected a breast");
