@@ -61,10 +61,9 @@ struct TrueBreast
   /// Stiffness of the wall against gliding, kPa / mm.
   double GlideStiffness = 0;
 
-  CompressionOptions Loading(ElementType element, PatientPosition position) const
+  CompressionOptions Loading(PatientPosition position) const
   {
     CompressionOptions options;
-    options.Element = element;
     options.ChestWall = ChestWallMode::Elastic;
     options.Wall.Tangential = this->GlideStiffness;
     options.GravityMPerS2 = GravityIn(position, PatientAxes);
@@ -112,8 +111,7 @@ public:
   HangingBreast(const TrueBreast& breast, const VirtualStudyOptions& options,
     PatientPosition position, const ProgressCallback& progress)
     : Model(MeshFor(breast, options, progress), breast.Table,
-        { .Volume = breast.Rest, .Compression = breast.Loading(ElementType::Quadratic, position) },
-        progress)
+        { .Volume = breast.Rest, .Compression = breast.Loading(position) }, progress)
   {
     const UnitPlacement placement{ FindPoseFrame(breast.Rest, breast.Table.Fixed(), PatientAxes),
       {} };
@@ -154,8 +152,7 @@ public:
         { .Volume = breast.Rest,
           .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Fixed(),
             CubeEdgeMm(breast.Phantom) / options.CompressionFineness, progress),
-          .Compression =
-            breast.Loading(ElementType::PatchAveragedLinear, PatientPosition::Upright) },
+          .Compression = breast.Loading(PatientPosition::Upright) },
         progress)
     , Placement{ FindPoseFrame(breast.Rest, breast.Table.Fixed(), PatientAxes), {} }
   {
@@ -186,6 +183,7 @@ public:
       .FilterMaterial = "RHODIUM" };
     hung.PositionerPrimaryAngleDeg = oblique ? draws.Between(40, 55) : draws.Between(-3, 3);
     taken.Pose = this->DrawPose(hung, breast, draws);
+    const double front = taken.Pose.AnteriorMm;
     for (int attempt = 1;; ++attempt)
     {
       try
@@ -194,6 +192,7 @@ public:
           this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
         this->CloseFirmly(breast, taken.Pose, state, progress);
         this->PullOnto(points, taken.Pose, state, progress);
+        this->CloseAnew(front, taken.Pose, state, progress);
         this->Centre(points, state, taken.Pose);
         return { taken, this->Picture(hung, state, points, taken, draws) };
       }
@@ -260,6 +259,23 @@ private:
       {
         return;
       }
+    }
+  }
+
+  /// Closes open plates at the pose that was found, as a unit does. A breast that was pulled and
+  /// pressed in turns can have ended in another equilibrium: large ones lie 8 to 13 mm away in it.
+  /// Where there is none, the plates stand farther from the chest wall, at most at `front`.
+  void CloseAnew(double front, BreastPose& pose, CompressionState& state,
+    const ProgressCallback& progress)
+  {
+    BreastPose closed = pose;
+    while (!this->TryPose(closed, nullptr, pose, state, progress))
+    {
+      if (closed.AnteriorMm >= front)
+      {
+        throw ConvergenceError("virtual study: no equilibrium between plates that close at once");
+      }
+      closed.AnteriorMm = std::min(front, closed.AnteriorMm + 1);
     }
   }
 

@@ -40,10 +40,10 @@ struct VirtualStudyOptions
   /// Pixels of the mammograms, mm, and their noise relative to the intensity.
   double MammogramPixelMm = 0.2;
   double MammogramNoise = 0.02;
-  /// Edge of a cube with the breast's volume over the cell size of the mechanics: under gravity
-  /// (quadratic elements) and between the plates (linear, patch-averaged).
+  /// Edge of a cube with the breast's volume over the cell size of the mechanics: under gravity and
+  /// between the plates.
   double GravityFineness = 7;
-  double CompressionFineness = 10;
+  double CompressionFineness = 9;
   /// Upper bound of the cells of the X-rayed anatomy, mm.
   double AnatomyMm = 5.5;
   /// Width of the chest that is added around a breast cut out of a body, in its mechanics and in
@@ -73,17 +73,17 @@ inline constexpr const char* StudyProjectionsFile = "cc-projections.dcm";
  *
  * The stress-free phantom, bent onto a rib cage, gets stiffness from the seed: fat, gland and skin
  * each half to twice the table's; it glides along the chest wall against 0.015 to 0.06 kPa / mm. It
- * hangs under gravity on one mesh (quadratic elements) and is written as MRI of a prone patient:
- * with the chest wall, ribs and lung behind it and the other breast beside it, coil sensitivity
- * that falls with depth, Rician noise, partial volume; T1 with and without fat suppression among a
- * localizer, a T2, a phase after contrast, its subtraction and its projection. It is compressed
- * standing, with the paddle tilted by 2 degrees, on another mesh of other elements (linear,
- * patch-averaged), the unit square on the chest wall behind the breast and pressed towards it until
- * 86 % of the points lie in front of the receptor's edge, or by 3 mm, with the breast in the middle
- * of the receptor to 10 mm. The plates stand at most 8 mm above or below its middle. It is X-rayed
- * as CC and MLO, on a field of 24 x 18 cm or, if that cuts the breast off at its front, 30 x 24:
- * For Presentation (12 bits, a display curve), with noise, another spectrum than the default, and a
- * header whose thickness is off by up to 4 mm.
+ * hangs under gravity on one mesh and is written as MRI of a prone patient: with the chest wall,
+ * ribs and lung behind it and the other breast beside it, coil sensitivity that falls with depth,
+ * Rician noise, partial volume; T1 with and without fat suppression among a localizer, a T2, a
+ * phase after contrast, its subtraction and its projection. It is compressed standing on a finer
+ * mesh, with the paddle tilted by 2 degrees, the unit square on the chest wall behind the breast
+ * and pressed towards it until 86 % of the points lie in front of the receptor's edge, or by 3 mm,
+ * with the breast in the middle of the receptor to 10 mm. The plates stand at most 8 mm above or
+ * below its middle, and close from where they touch nothing. It is X-rayed as CC and MLO, on a
+ * field of 24 x 18 cm or, if that cuts the breast off at its front, 30 x 24: For Presentation (12
+ * bits, a display curve), with noise, another spectrum than the default, and a header whose
+ * thickness is off by up to 4 mm.
  *
  * `materials`: indices of `table`, some held, in a frame with these `axes`. Throws InputError, also
  * if they hold two breasts (MidlineBetweenBreasts) or FOLDER is not empty; ConvergenceError if
