@@ -152,7 +152,8 @@ public:
         { .Volume = breast.Rest,
           .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Fixed(),
             CubeEdgeMm(breast.Phantom) / options.CompressionFineness, progress),
-          .Compression = breast.Loading(PatientPosition::Upright) },
+          .Compression = breast.Loading(PatientPosition::Upright),
+          .Predicted = true },
         progress)
     , Placement{ FindPoseFrame(breast.Rest, breast.Table.Fixed(), PatientAxes), {} }
   {
@@ -163,7 +164,8 @@ public:
   /// Projections of the CC, once it is taken; empty unless the options ask for them.
   std::vector<Mammogram> Projections;
 
-  /// Compresses at the view's pose, less if that has no equilibrium, and takes the mammogram.
+  /// Finds the view's pose by the faster mechanics, compresses there, less if that has no
+  /// equilibrium, and takes the mammogram.
   std::pair<TrueView, Mammogram> Take(const std::string& view, const TrueBreast& breast,
     const std::vector<double>& points, Draws& draws, const ProgressCallback& progress)
   {
@@ -189,10 +191,10 @@ public:
       try
       {
         CompressionState state =
-          this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
+          this->Model.Predictor()->Compress(this->Placement, taken.Pose, nullptr, progress);
         this->CloseFirmly(breast, taken.Pose, state, progress);
         this->PullOnto(points, taken.Pose, state, progress);
-        this->CloseAnew(front, taken.Pose, state, progress);
+        state = this->CloseAnew(front, taken.Pose, progress);
         this->Centre(points, state, taken.Pose);
         return { taken, this->Picture(hung, state, points, taken, draws) };
       }
@@ -265,32 +267,36 @@ private:
   /// Closes open plates at the pose that was found, as a unit does. A breast that was pulled and
   /// pressed in turns can have ended in another equilibrium: large ones lie 8 to 13 mm away in it.
   /// Where there is none, the plates stand farther from the chest wall, at most at `front`.
-  void CloseAnew(double front, BreastPose& pose, CompressionState& state,
-    const ProgressCallback& progress)
+  CompressionState CloseAnew(double front, BreastPose& pose, const ProgressCallback& progress)
   {
-    BreastPose closed = pose;
-    while (!this->TryPose(closed, nullptr, pose, state, progress))
+    for (;; pose.AnteriorMm = std::min(front, pose.AnteriorMm + 1))
     {
-      if (closed.AnteriorMm >= front)
+      try
       {
-        throw ConvergenceError("virtual study: no equilibrium between plates that close at once");
+        return this->Model.Body().Compress(this->Placement, pose, nullptr, progress);
       }
-      closed.AnteriorMm = std::min(front, closed.AnteriorMm + 1);
+      catch (const ConvergenceError&)
+      {
+        if (pose.AnteriorMm >= front)
+        {
+          throw;
+        }
+      }
     }
   }
 
-  /// Where these points lie between the plates.
-  std::vector<Vector3> Moved(const std::vector<double>& points, const CompressionState& state) const
+  /// Where these points lie between the plates in a state of a body.
+  static std::vector<Vector3> Moved(const std::vector<double>& points, const BreastBody& body,
+    const CompressionState& state)
   {
-    return AsPoints(Embedding(this->Model.Body().Simulation(), points).Map(state.Positions));
+    return AsPoints(Embedding(body.Simulation(), points).Map(state.Positions));
   }
 
   /// Centres the breast on the receptor, as far off as the pose was drawn. Plates without friction
   /// are the same all along their edges.
-  void Centre(const std::vector<double>& points, const CompressionState& state,
-    BreastPose& pose) const
+  void Centre(const std::vector<double>& points, const CompressionState& state, BreastPose& pose)
   {
-    const std::vector<Vector3> moved = this->Moved(points, state);
+    const std::vector<Vector3> moved = Moved(points, this->Model.Body(), state);
     BreastPose middle = pose;
     middle.LateralMm = 0;
     const VolumeFromGantry placed = this->Placement.At(middle);
@@ -307,7 +313,8 @@ private:
   {
     try
     {
-      CompressionState found = this->Model.Body().Compress(this->Placement, next, from, progress);
+      CompressionState found =
+        this->Model.Predictor()->Compress(this->Placement, next, from, progress);
       state = std::move(found);
       pose = next;
       return true;
@@ -320,11 +327,11 @@ private:
 
   /// Distance in front of the receptor's edge that ImagedPart of the points have at least, mm.
   double LeastImagedMm(const std::vector<double>& points, const BreastPose& pose,
-    const CompressionState& state) const
+    const CompressionState& state)
   {
     const VolumeFromGantry placed = this->Placement.At(pose);
     std::vector<double> depths;
-    for (const Vector3& point : this->Moved(points, state))
+    for (const Vector3& point : Moved(points, *this->Model.Predictor(), state))
     {
       depths.push_back(placed.ToGantry(point)[1]);
     }
@@ -378,7 +385,7 @@ private:
     }
 
     const VolumeFromGantry placed = this->Placement.At(taken.Pose);
-    for (const Vector3& point : this->Moved(points, state))
+    for (const Vector3& point : Moved(points, this->Model.Body(), state))
     {
       const Vector3 at = placed.ToGantry(point);
       taken.Gantry.push_back(at);
