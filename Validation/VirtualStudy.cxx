@@ -265,7 +265,7 @@ private:
   }
 
   /// Closes open plates at the pose that was found, as a unit does. A breast that was pulled and
-  /// pressed in turns can have ended in another equilibrium: large ones lie 8 to 13 mm away in it.
+  /// pressed in turns can have ended in another equilibrium: two large ones lay 8 and 13 mm away.
   /// Where there is none, the plates stand farther from the chest wall, at most at `front`.
   CompressionState CloseAnew(double front, BreastPose& pose, const ProgressCallback& progress)
   {
