@@ -77,8 +77,9 @@ void SetPlate(vtkPolyData* box, const Plate& plate, const Vector3& along, double
   box->GetPoints()->Modified();
 }
 
-/// Of a table's materials, `host` lying around the others.
-std::vector<Color> ColorsOf(const MaterialTable& table, int host)
+}
+
+std::vector<std::array<double, 3>> TissueColors(const MaterialTable& table, int host)
 {
   std::vector<Color> colors{ { 0, 0, 0 } };
   std::size_t inner = 0;
@@ -90,7 +91,6 @@ std::vector<Color> ColorsOf(const MaterialTable& table, int host)
     inner = around || thin ? inner : (inner + 1) % std::size(InnerColors);
   }
   return colors;
-}
 }
 
 BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
@@ -105,7 +105,7 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
   this->Points->SetNumberOfPoints(static_cast<vtkIdType>(this->PointIds.size()));
   int host = 0;
   const std::vector<int> enclosed = EnclosedMaterials(this->Surface, viewed.Materials, &host);
-  this->Colors = ColorsOf(viewed.Materials, host);
+  this->Colors = mammoray::TissueColors(viewed.Materials, host);
   std::map<int, std::vector<std::size_t>> inner;
   std::vector<std::size_t> outer;
   for (std::size_t triangle = 0; triangle < this->Surface.NumberOfTriangles(); ++triangle)

@@ -3,6 +3,7 @@
 #define mammoray_BreastScene_h
 
 #include "Private/LiveMammogram.h"
+#include "mammoray/Foundation/MaterialTable.h"
 #include "mammorayAppModule.h"
 
 #include "vtkNew.h"
@@ -25,6 +26,10 @@ namespace mammoray
 /// A closed line in space.
 using Loop = std::vector<Vector3>;
 
+/// A colour for each material of a table, for all views; `host` lies around the others.
+MAMMORAYAPP_EXPORT std::vector<std::array<double, 3>> TissueColors(const MaterialTable& table,
+  int host);
+
 /**
  * A breast in a renderer: the skin to look through, what lies inside, and, where wanted, the unit
  * around it. Volume frame, mm.
@@ -37,8 +42,7 @@ public:
   vtkRenderer* Renderer() { return this->View; }
   /// Lies over the other, in layer 1, with the marks, which nothing hides.
   vtkRenderer* MarkRenderer() { return this->Front; }
-  /// A colour for each material of the table, for all views: the one that there is most of lies
-  /// around the others.
+  /// The one that there is most of lies around the others.
   const std::vector<std::array<double, 3>>& TissueColors() const { return this->Colors; }
   /// New places of the anatomy's points, 3 x pointCount.
   void SetPoints(const std::vector<double>& points);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Desktop/StudyPage.h"
 
+#include "Private/BreastScene.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
@@ -105,17 +106,17 @@ QTableWidget* NewTable(const QString& name, const QStringList& heads)
   return table;
 }
 
-/// Colours of tissue by material index, from the outside to the inside.
-std::vector<std::array<double, 3>> Palette(std::size_t count)
+/// The material that there is most of, but air and what is held.
+int HostOf(const LabelVolume& volume, const MaterialTable& table)
 {
-  const std::array<std::array<double, 3>, 6> colors{ { { 0, 0, 0 }, { 0.95, 0.80, 0.45 },
-    { 0.90, 0.45, 0.55 }, { 0.55, 0.75, 0.95 }, { 0.70, 0.35, 0.30 }, { 0.60, 0.85, 0.55 } } };
-  std::vector<std::array<double, 3>> palette;
-  for (std::size_t index = 0; index < count; ++index)
+  const std::vector<bool> fixed = table.Fixed();
+  std::vector<std::size_t> counts(fixed.size(), 0);
+  for (const auto label : volume.Voxels)
   {
-    palette.push_back(index == 0 ? colors[0] : colors[1 + (index - 1) % (colors.size() - 1)]);
+    const auto material = static_cast<std::size_t>(label);
+    counts[material] += label != 0 && !fixed[material] ? 1 : 0;
   }
-  return palette;
+  return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
 /// Corners of the box around the voxels that are tissue, for views to fill.
@@ -623,7 +624,8 @@ void StudyPages::ShowTissue(std::shared_ptr<const StudyTissue> tissue)
   this->Viewed.Anatomy.Points = CornersOf(this->Segmented->Breast);
   this->Viewed.Axes = AnatomicalAxes::FromCode("LPS");
   const MaterialTable table = FindMaterialTable(StudyMaterials);
-  this->Slices = std::make_unique<SlicePanes>(this->Viewed, Palette(table.Materials.size()));
+  this->Slices = std::make_unique<SlicePanes>(this->Viewed,
+    TissueColors(table, HostOf(this->Segmented->Breast, table)));
   ShowSlices(*this->Slices, this->TissueViews,
     [this](const Vector3& place)
     {
