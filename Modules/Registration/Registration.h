@@ -12,9 +12,18 @@
 
 namespace mammoray
 {
-/// Called at the start of each level of a search and for each accepted step, with the Parameters,
-/// Values and Iterations of each view so far.
-using SearchObserver = std::function<void(const std::vector<const ViewResult*>& views)>;
+/// Where the search of a view stands. References hold during the observer's call.
+struct SearchedView
+{
+  /// Parameters, Values and Iterations so far.
+  const ViewResult& Result;
+  /// The breast at these values, and the mammogram in the smallest of the compared pixels.
+  PosedBreast& Breast;
+  const RegistrationTarget& Target;
+};
+
+/// Called by Register's thread at the start of each level of a search and for each accepted step.
+using SearchObserver = std::function<void(const std::vector<SearchedView>& views)>;
 
 /**
  * Finds the poses and compressions whose synthetic mammograms match the views, by Ceres

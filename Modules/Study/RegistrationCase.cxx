@@ -223,23 +223,25 @@ void ReadMammograms(const RegistrationCase& input, RegistrationCaseResult& resul
   }
 }
 
-/// Keeps each step of the search in the case's checkpoint; where that fails, a sentence says so.
-SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
+/// Keeps each step of the search in the case's checkpoint and tells it on. Where keeping fails, a
+/// sentence says so.
+SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure,
+  const SearchObserver& observer)
 {
   if (input.Checkpoint.empty())
   {
-    return {};
+    return observer;
   }
   std::vector<SearchPoint> points;
   for (const std::string& mammogram : input.Mammograms)
   {
     points.push_back({ InputsOf(input, mammogram), {} });
   }
-  return [&input, &failure, points](const std::vector<const ViewResult*>& found) mutable
+  return [&input, &failure, &observer, points](const std::vector<SearchedView>& views) mutable
   {
     for (std::size_t number = 0; number < points.size(); ++number)
     {
-      points[number].Parameters = ParametersOf(*found[number]);
+      points[number].Parameters = ParametersOf(views[number].Result);
     }
     try
     {
@@ -249,12 +251,16 @@ SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
     {
       failure = std::string("Steps of the search could not be kept: ") + error.what() + ".";
     }
+    if (observer)
+    {
+      observer(views);
+    }
   };
 }
 
 /// Registers the views together, each with its own unit.
 void Search(const RegistrationCase& input, RegistrationProblem& problem,
-  RegistrationCaseResult& result, const ProgressCallback& progress)
+  RegistrationCaseResult& result, const ProgressCallback& progress, const SearchObserver& observer)
 {
   problem.Options = input.Options;
   for (RegisteredView& registered : result.Views)
@@ -262,7 +268,7 @@ void Search(const RegistrationCase& input, RegistrationProblem& problem,
     problem.Views.push_back(std::move(registered.View));
   }
   std::string failure;
-  RegistrationResult found = Register(problem, progress, KeepSteps(input, failure));
+  RegistrationResult found = Register(problem, progress, KeepSteps(input, failure, observer));
   if (!failure.empty())
   {
     result.Views.front().Warnings.push_back(failure);
@@ -349,7 +355,7 @@ std::string ShownName(const std::string& path, bool named)
 }
 
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
-  const ProgressCallback& whole)
+  const ProgressCallback& whole, const SearchObserver& observer)
 {
   // What a study's MRI takes of the time before the rest begins as it does with labels.
   const double segmenting = !input.Study ? 0.0 : input.Labels.Path.empty() ? 0.25 : 0.05;
@@ -413,7 +419,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.Anatomy = problem.Model->Anatomy();
   result.SimulationCells = problem.Model->NumberOfSimulationCells();
   result.SurfaceTriangles = problem.Model->Surface().NumberOfTriangles();
-  Search(input, problem, result, PartOf(progress, 0.25, 1, "register"));
+  Search(input, problem, result, PartOf(progress, 0.25, 1, "register"), observer);
   result.Notes = NotesOf(notes.Notes, input.NameInputs);
   stopwatch.End();
   return result;

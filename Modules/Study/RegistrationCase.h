@@ -173,7 +173,7 @@ MAMMORAYSTUDY_EXPORT std::string ShownName(const std::string& path, bool named);
  * Interrupted when stopped before the search began; later it gives the best pose so far.
  */
 MAMMORAYSTUDY_EXPORT RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
-  const ProgressCallback& progress = {});
+  const ProgressCallback& progress = {}, const SearchObserver& observer = {});
 
 /// The uncompressed anatomy, volume frame, with the point array "Displacement" (mm), those of the
 /// sensitivities (SensitivityArrayPrefix), and the unit's "Placement".

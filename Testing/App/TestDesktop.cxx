@@ -5,6 +5,7 @@
 #include "SurfaceShapes.h"
 #include "VirtualDisplay.h"
 #include "mammoray/App/Private/Desktop/MainWindow.h"
+#include "mammoray/App/Private/Desktop/SearchPictures.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshIO.h"
 
@@ -392,6 +393,35 @@ TEST_F(Desktop, MovesAndExportsAScene)
   EXPECT_EQ(this->Find<QDoubleSpinBox>("energy")->value(), 80);
 }
 
+TEST_F(Desktop, ShowsTheStepsOfASearch)
+{
+  SearchPictures::Pair pair;
+  pair.Target = QImage(40, 60, QImage::Format_Grayscale8);
+  pair.Target.fill(200);
+  pair.Synthetic = pair.Target;
+  pair.Synthetic.fill(90);
+  pair.Outline << QPointF(5, 10) << QPointF(35, 10);
+  SearchPictures shown;
+  shown.resize(400, 200);
+  shown.SetPairs({ pair, pair });
+  const QImage drawn = shown.grab().toImage();
+  const auto greyAt = [&](double across) // the middle of a picture, of four
+  { return qGray(drawn.pixel(static_cast<int>(across * drawn.width()), drawn.height() * 2 / 3)); };
+  for (const double left : { 0.0, 0.5 })
+  {
+    EXPECT_EQ(greyAt(left + 0.125), 200);
+    EXPECT_EQ(greyAt(left + 0.375), 90);
+  }
+  int orange = 0;
+  for (int row = 0; row < drawn.height(); ++row)
+  {
+    const QColor color = drawn.pixelColor(drawn.width() / 8, row);
+    orange += color.red() > color.blue() + 100 ? 1 : 0;
+  }
+  EXPECT_GE(orange, 1);
+  EXPECT_LE(orange, 3);
+}
+
 TEST_F(Desktop, SaysWhatIsWrongInALine)
 {
   const auto complaint = [this](const std::string& path)
@@ -433,9 +463,9 @@ TEST_F(Desktop, DoesTheWholeJob)
   {
     GTEST_SKIP() << "MAMMORAY_LONG_TESTS, and MAMMORAY_STUDY: the export of a virtual study";
   }
+  constexpr int LongMs = 3600000;
   const auto wait = [this]
   {
-    constexpr int LongMs = 3600000;
     return QTest::qWaitFor([this] { return !this->Window->IsBusy(); }, LongMs) &&
       this->Window->Complaint().isEmpty();
   };
@@ -467,7 +497,12 @@ TEST_F(Desktop, DoesTheWholeJob)
       }
     });
   ticks.start(10);
+  const auto* pictures = static_cast<SearchPictures*>(this->Find<QWidget>("searchPictures"));
+  const auto hasStep = [&] { return !pictures->Pairs().empty() || !this->Window->IsBusy(); };
+  ASSERT_TRUE(QTest::qWaitFor(hasStep, LongMs));
+  this->Keep("running");
   ASSERT_TRUE(wait()) << this->Window->Complaint().toStdString();
+  EXPECT_EQ(pictures->Pairs().size(), 2U);
   RecordProperty("LongestWaitMs", static_cast<int>(longest));
   std::printf("an event waited %d ms at most\n", static_cast<int>(longest));
   this->Keep("result");

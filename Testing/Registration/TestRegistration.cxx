@@ -76,13 +76,13 @@ protected:
     }
   }
   static RegistrationResult Find(RegistrationProblem& problem,
-    const ProgressCallback& progress = {})
+    const ProgressCallback& progress = {}, const SearchObserver& observer = {})
   {
     for (View& view : problem.Views)
     {
       view.Levels = MakeLevels(view.Target, problem.Options.PixelSizesMm);
     }
-    return Register(problem, progress);
+    return Register(problem, progress, observer);
   }
   static ViewResult FindFirst(RegistrationProblem problem, const ProgressCallback& progress = {})
   {
@@ -161,6 +161,27 @@ TEST_F(Registration, StopsWhenAskedWithTheBestSoFar)
   EXPECT_FALSE(result.Converged);
   EXPECT_NE(result.StopReason.find("interrupted"), std::string::npos);
   EXPECT_GT(result.After.Correlation, 0.9);
+}
+
+TEST_F(Registration, ShowsEachStepToAnObserver)
+{
+  BreastPose start = Truth();
+  start.ThicknessMm += 4;
+  RegistrationProblem problem = ProblemFrom(start);
+  BeginAtStart(problem.Views[0]);
+  std::vector<double> outlines;
+  const RegistrationResult result = Find(problem, {},
+    [&](const std::vector<SearchedView>& views)
+    {
+      ASSERT_EQ(views.size(), 1U);
+      const SearchedView& view = views.front();
+      EXPECT_EQ(view.Breast.Pose().ThicknessMm, view.Result.Values[ThicknessParameter]);
+      const SyntheticMammogram synthetic =
+        Synthesize(view.Breast, view.Target.Grid, ChestWallCentre(view.Target), 1);
+      outlines.push_back(Compare(synthetic, view.Target).MeanOutlineDistanceMm);
+    });
+  ASSERT_EQ(outlines.size(), result.Views.front().Iterations.size());
+  EXPECT_LT(outlines.back(), 0.5 * outlines.front());
 }
 
 TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)

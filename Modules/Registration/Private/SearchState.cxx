@@ -59,12 +59,13 @@ void SearchState::Observe() const
   {
     return;
   }
-  std::vector<const ViewResult*> found;
+  std::vector<SearchedView> searched;
+  searched.reserve(this->Views.size());
   for (const ViewSearch& view : this->Views)
   {
-    found.push_back(&view.Result);
+    searched.push_back({ view.Result, *view.Current, view.Input->Levels.back() });
   }
-  this->Observer(found);
+  this->Observer(searched);
 }
 
 void SearchState::CollectFreeParameters()

@@ -2,6 +2,7 @@
 #include "Private/Desktop/StudyPage.h"
 
 #include "Private/BreastScene.h"
+#include "Private/Desktop/SearchPictures.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
@@ -351,6 +352,8 @@ void StudyPages::MakeRunPage()
   this->Stage = new QLabel;
   this->Stage->setObjectName("stage");
   layout->addWidget(this->Stage);
+  this->Pictures = new SearchPictures;
+  layout->addWidget(this->Pictures, 3);
   this->Log = new QTextEdit;
   this->Log->setObjectName("log");
   this->Log->setReadOnly(true);
@@ -806,12 +809,19 @@ void StudyPages::Run()
   this->Progress->setRange(0, 1000);
   this->Progress->setValue(0);
   this->Progress->show();
+  this->Pictures->SetPairs({});
   this->Log->append(tr("%1: registering").arg(QDateTime::currentDateTime().toString("hh:mm:ss")));
   this->Clock.start();
   this->Searching.Start(
     [this, input, output](const ProgressCallback& progress) -> Task::Outcome
     {
-      const RegistrationCaseResult result = RunRegistrationCase(input, progress);
+      const RegistrationCaseResult result = RunRegistrationCase(input, progress,
+        [this](const std::vector<SearchedView>& views)
+        {
+          QMetaObject::invokeMethod(
+            this, [this, pairs = SearchPictures::Take(views)] { this->Pictures->SetPairs(pairs); },
+            Qt::QueuedConnection);
+        });
       WriteRegistrationCase(input, result, output);
       QStringList lines;
       for (const RegisteredView& view : result.Views)

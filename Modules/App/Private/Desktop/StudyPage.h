@@ -29,6 +29,8 @@ class QTextEdit;
 
 namespace mammoray
 {
+class SearchPictures;
+
 /**
  * A clinic's export on its way to a result, in three pages: what is taken of it, its tissue, and
  * the search.
@@ -118,6 +120,7 @@ private:
   QPushButton* Cancel = nullptr;
   QProgressBar* Progress = nullptr;
   QLabel* Stage = nullptr;
+  SearchPictures* Pictures = nullptr;
   QTextEdit* Log = nullptr;
   QElapsedTimer Clock;
 
