@@ -133,18 +133,20 @@ void Run(DicomArguments& arguments)
     CheckOutputFile(arguments.Output);
   }
   const ResultFile result = ReadResultFile(arguments.Result);
-  WarnOfDistrust(result.Folder, result.Trust);
   if (alone)
   {
     WriteSynthetic(arguments, result, arguments.Output);
-    return;
   }
-  if (arguments.Output.empty())
+  else
   {
-    arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
+    if (arguments.Output.empty())
+    {
+      arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
+    }
+    ReserveEmptyFolder(arguments.Output);
+    WriteFolder(arguments, result);
   }
-  ReserveEmptyFolder(arguments.Output);
-  WriteFolder(arguments, result);
+  WarnOfDistrust(result.Folder, result.Trust);
 }
 }
 

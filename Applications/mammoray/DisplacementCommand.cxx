@@ -43,8 +43,8 @@ void Run(DisplacementArguments& arguments)
   CheckDisplacementExtension(arguments.Output);
   CheckOutputFile(arguments.Output);
   const ResultFile result = ReadResultFile(arguments.Result);
-  WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
+  WarnOfDistrust(result.Folder, result.Trust);
   const DisplacementField field = FindDisplacement(breast, arguments.Direction, arguments.SpacingMm,
     arguments.MarginMm, MakeProgressBar());
   WriteDisplacement(field, arguments.Output);

@@ -74,7 +74,6 @@ void Run(FuseArguments& arguments)
     CheckValidRange(ValidRanges::VoxelSpacing, arguments.SpacingMm, "SpacingMm");
   }
   const ResultFile result = ReadResultFile(arguments.Result);
-  WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
   const IntensityVolume image =
     ReadMri(arguments.Image, AxesOf(Program().AxesAsGiven), arguments.Series);
@@ -82,6 +81,7 @@ void Run(FuseArguments& arguments)
   {
     CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image);
   }
+  WarnOfDistrust(result.Folder, result.Trust);
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =
     CompressVolume(image, breast, arguments.SpacingMm, ShareOf(progress, 0, 0.4));

@@ -353,10 +353,10 @@ void Run(LocateArguments& arguments)
   }
   std::vector<NamedBreast> others;
   std::optional<NamedBreast> asked;
-  for (const ResultFile& result : ReadResultFiles(arguments.Result))
+  const std::vector<ResultFile> results = ReadResultFiles(arguments.Result);
+  for (const ResultFile& result : results)
   {
     const std::string name = std::filesystem::path(result.Folder).filename().string();
-    WarnOfDistrust(result.Folder, result.Trust);
     NamedBreast breast{ name, result, RegisteredBreast(ReadBreastInUnit(result)) };
     if (result.Folder == arguments.Result || name == arguments.View)
     {
@@ -370,6 +370,10 @@ void Run(LocateArguments& arguments)
   if (!arguments.View.empty() && !asked)
   {
     throw InputError("view '" + arguments.View + "': expected " + NamesOf(others));
+  }
+  for (const ResultFile& result : results)
+  {
+    WarnOfDistrust(result.Folder, result.Trust);
   }
   if (asked && arguments.Point)
   {
