@@ -418,6 +418,7 @@ void Store(const std::vector<std::string>& files, const DicomNode& node, const T
     tell(kind.Path + '\0' + why);
     // An object that cannot be sent leaves the connection as it was.
     const bool isOfObject = sent == DIMSE_NOVALIDPRESENTATIONCONTEXTID || sent == DIMSE_BADDATA ||
+      sent == NET_EC_InvalidSOPClassUID || sent == NET_EC_InvalidSOPInstanceUID ||
       sent.module() == OFM_dcmdata;
     if (sent.bad() && !(isOfObject && association.isConnected()))
     {

@@ -224,6 +224,16 @@ TEST(DicomLabels, BinarySegmentsWithEmptySlicesLeftOut)
   EXPECT_EQ(volume.Voxels, expected);
 }
 
+TEST(DicomLabels, SegmentsAtUnevenDistancesAreRefused)
+{
+  const TemporaryFolder folder;
+  const std::vector<int> one{ 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+  // On a grid of a fifth of the distance there would be air between all slices.
+  EXPECT_THAT(LabelsRefusal(folder.Write("seg.dcm",
+                SegmentationFile({ { 0, 1, one }, { 1, 1, one }, { 2.2, 1, one } }, 1))),
+    testing::HasSubstr("expected slices at even distances"));
+}
+
 TEST(DicomLabels, FractionsCountFromAHalf)
 {
   TemporaryFolder folder;

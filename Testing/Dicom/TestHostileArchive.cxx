@@ -246,6 +246,22 @@ TEST_F(HostileArchiveOf, WhatIsRefusedStopsNoOther)
   EXPECT_THAT(told,
     ::testing::ElementsAre(files[0] + ": " + kind, this->MammogramPath(), files[1] + ": " + kind));
   EXPECT_THAT(said, HasSubstr("first " + files[0] + " (" + kind + "); stored 1 of 3"));
+  // By what it lacks: the archive is not asked.
+  told.clear();
+  std::string nameless = test::ReadFile(this->MammogramPath());
+  const std::size_t uid = nameless.rfind(std::string("\x8\0\x18\0UI", 6));
+  ASSERT_NE(uid, std::string::npos);
+  const auto length = static_cast<unsigned char>(nameless[uid + 6]);
+  nameless.erase(uid + 8, length);
+  nameless[uid + 6] = '\0';
+  const HostileArchive all(Accepted(1, ExplicitVr), Message(1, true, Command(0x8001, false, 0)));
+  const std::string bad = this->Folder.Write("nameless.dcm", nameless);
+  EXPECT_THAT(RefusalOf(
+                [&] {
+                  StoreFiles({ bad, this->MammogramPath() }, all.Node, tell);
+                }),
+    HasSubstr("stored 1 of 2"));
+  EXPECT_THAT(told, ::testing::ElementsAre(HasSubstr("nameless.dcm: "), this->MammogramPath()));
   // By a status.
   told.clear();
   const HostileArchive full(Accepted(1, ExplicitVr),

@@ -121,7 +121,8 @@ double EvenSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vecto
 
 /**
  * The distance of neighbouring slices of which some may be left out: the one that the file tells,
- * or, where slices do not lie on it, the largest fraction of the smallest gap that they do lie on.
+ * or, where slices do not lie on it, their smallest distance, or the largest fraction of that which
+ * they lie on and which is about what the file tells. A smaller one would leave air between slices.
  */
 double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
   const std::vector<double>& heights)
@@ -132,8 +133,9 @@ double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
     const double gap = heights[n] - heights[n - 1];
     smallest = smallest == 0 ? gap : std::min(smallest, gap);
   }
-  std::vector<double> candidates{ slices.front().SliceSpacingMm, smallest };
-  for (int parts = 2; parts <= 20; ++parts)
+  const double told = slices.front().SliceSpacingMm;
+  std::vector<double> candidates{ told, smallest };
+  for (int parts = 2; parts <= 20 && told > 0 && smallest / parts > 0.7 * told; ++parts)
   {
     candidates.push_back(smallest / parts);
   }
