@@ -155,6 +155,17 @@ std::string DamagedText(const Study& study)
 
 namespace
 {
+/// Whether all slices of a series lie in folders below one.
+bool LiesBelow(const StudySeries& series, const std::string& folder)
+{
+  return std::none_of(series.Slices.begin(), series.Slices.end(),
+    [&folder](const DicomSlice& slice)
+    {
+      std::error_code problem;
+      return fs::equivalent(fs::path(slice.Path).parent_path(), folder, problem);
+    });
+}
+
 /// Why a folder's only series makes no volume. `refusal`: the reader's words, which name the files
 /// of doubled slices, but take those of damaged ones for missing.
 std::string WhyNoVolume(const std::string& path, const std::string& refusal, const Study& study)
@@ -234,6 +245,11 @@ IntensityVolume ReadMri(const std::string& path, VolumeAxes axes, std::optional<
   catch (const InputError&) // it is no better told by that
   {
     throw InputError(refusal);
+  }
+  if (study.Series.size() == 1 && study.Series.front().Grid &&
+    LiesBelow(study.Series.front(), path))
+  {
+    return ReadIntensitySlices(study.Series.front().Slices, progress);
   }
   if (study.Series.size() < 2)
   {

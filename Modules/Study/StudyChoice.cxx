@@ -46,22 +46,32 @@ bool ShowsSide(const StudySeries& series, char side)
 /// The series of the newest examination that show the side. Fills in the reason of all others.
 std::vector<StudySeries*> FindCandidates(StudyChoice& choice)
 {
-  std::string newest;
+  const StudySeries* newest = nullptr;
   for (const StudySeries& series : choice.Found.Series)
   {
-    if (series.LeftOut.empty() && ShowsSide(series, choice.Laterality))
-    {
-      newest = std::max(newest, series.Date);
-    }
+    const bool counts = series.LeftOut.empty() && ShowsSide(series, choice.Laterality);
+    newest = counts && (!newest || series.Date > newest->Date) ? &series : newest;
   }
+  // An examination may go on over midnight.
+  const auto isOlder = [newest](const StudySeries& series)
+  {
+    const auto& study = series.Header.Identity;
+    const auto isOf = [&study](const DicomIdentity& other)
+    {
+      return !study.StudyInstanceUid.empty() && study.StudyInstanceUid == other.StudyInstanceUid &&
+        study.StudyDate == other.StudyDate;
+    };
+    return newest && !series.Date.empty() && series.Date != newest->Date &&
+      !isOf(newest->Header.Identity);
+  };
   std::vector<StudySeries*> candidates;
   for (StudySeries& series : choice.Found.Series)
   {
     series.Reason = !series.LeftOut.empty() ? "left out: " + series.LeftOut
       : !ShowsSide(series, choice.Laterality)
       ? "left out: shows the " + SideName(series.Side) + " breast only"
-      : series.Date != newest && !series.Date.empty() ? "left out: of an older examination"
-                                                      : "";
+      : isOlder(series) ? "left out: of an older examination"
+                        : "";
     if (series.Reason.empty())
     {
       candidates.push_back(&series);
@@ -121,8 +131,9 @@ std::string WhyNotTaken(const StudySeries& series, const StudySeries& better,
     return "left out: after contrast (" + series.ContrastEvidence + ")";
   }
   return "left out: '" + better.Description + "' is of the same kind, " +
-    (IsBeforeForCertain(better) && !IsBeforeForCertain(series) ? "before contrast for certain"
-                                                               : "finer or earlier");
+    (IsBeforeForCertain(better) && !IsBeforeForCertain(series)
+        ? "before contrast for certain"
+        : "finer, earlier or of a lower number");
 }
 
 /// Lists the kinds of series that there are instead.

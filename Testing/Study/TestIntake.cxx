@@ -348,6 +348,13 @@ TEST(Intake, AVolumeOfAMixedFolderIsChosenByItsNumber)
     HasSubstr("found 't1' and 't1_sub', of one kind"));
 }
 
+TEST(Intake, TheOnlyVolumeBelowAFolderIsRead)
+{
+  MadeUpStudy files;
+  files.AddSlices(MadeUpMr("1.2.4", "t1"), 30);
+  EXPECT_EQ(ReadMri(files.Folder(), VolumeAxes::Patient).Size[2], 30);
+}
+
 TEST(Intake, TextsOfAnyLengthAndKindAreShown)
 {
   MadeUpStudy files;
@@ -476,6 +483,20 @@ TEST(Intake, OtherExaminationsAndPositionsAreNotMixed)
   EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.6");
   EXPECT_THAT(ReasonsOf(choice.Found.Series), testing::Contains(HasSubstr("older examination")));
   EXPECT_THAT(choice.Warnings, ElementsAre(HasSubstr("taken after contrast")));
+
+  // One examination over midnight.
+  MadeUpStudy late;
+  for (const auto& [uid, date, time] :
+    { std::tuple{ "1.2.5", "20231231", "235800" }, { "1.2.6", "20240101", "000100" } })
+  {
+    late.AddSlices(MadeUpMr(uid, "t1_spair")
+                     .Set(8, 0x20, "DA", "20231231")
+                     .Set(8, 0x22, "DA", date)
+                     .Set(8, 0x32, "TM", time));
+  }
+  AddViews(late, "L");
+  choice = ChooseForRegistration(ReadStudy(late.Folder()));
+  EXPECT_EQ(choice.FatSuppressed->Header.SeriesInstanceUid, "1.2.5");
 
   MadeUpStudy moved;
   moved.AddSlices(MadeUpMr("1.2.5", "t1_pre"));

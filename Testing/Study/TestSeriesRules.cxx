@@ -56,16 +56,16 @@ ContrastPhase PhaseByWords(const std::string& description)
 
 TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
 {
-  for (const char* description :
-    { "T1 pre", "T1 pre contrast", "T1 precontrast", "t1_pre_gd", "t1 tra pre KM", "T1 nativ",
-      "T1 native", "T1 unenhanced", "t1 w/o contrast", "T1 without contrast",
-      "T1 without IV contrast", "T1 wo gad", "T1 non contrast", "t1 ohne KM",
-      "t1 ohne Kontrastmittel", "t1 vor KM", "T1 sans injection", "T1 sans gado",
-      "T1 sin contraste", "T1 sem contraste", "T1 senza mdc", "T1 basale", "T1 avant injection",
-      "T1 ax senza mdc", "T1 prima del mezzo di contrasto", "T1 pre-mdc", "T1 sin civ",
-      "T1 antes del contraste", "T1 s/ contraste", "T1 avant injection de gadolinium",
-      "AX T1 FS NON INJECTE", "T1 zonder contrast", "T1 voor gadolinium", "T1 SPAIR blanco",
-      "T1 before contrast injection", "T1 prior to contrast", "T1 no contrast", "T1 non-enhanced" })
+  for (const char* description : { "T1 pre", "T1 pre contrast", "T1 precontrast", "t1_pre_gd",
+         "t1 tra pre KM", "T1 nativ", "T1 native", "T1 unenhanced", "t1 w/o contrast",
+         "T1 without contrast", "T1 without IV contrast", "T1 wo gad", "T1 non contrast",
+         "t1 ohne KM", "t1 ohne Kontrastmittel", "t1 vor KM", "T1 sans injection", "T1 sans gado",
+         "T1 sin contraste", "T1 sem contraste", "T1 senza mdc", "T1 basale", "T1 avant injection",
+         "T1 ax senza mdc", "T1 prima del mezzo di contrasto", "T1 pre-mdc", "T1 sin civ",
+         "T1 antes del contraste", "T1 s/ contraste", "T1 avant injection de gadolinium",
+         "AX T1 FS NON INJECTE", "T1 zonder contrast", "T1 voor gadolinium", "T1 SPAIR blanco",
+         "T1 KM-frei", "T1FSpre", "T1 before contrast injection", "T1 prior to contrast",
+         "T1 no contrast", "T1 non-enhanced" })
   {
     EXPECT_EQ(PhaseByWords(description), ContrastPhase::Before) << description;
   }
@@ -79,7 +79,7 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
       "T1 despu\xc3\xa9s de gadolinio", "T1 tras contraste", "T1 con CIV", "T1 contrastado",
       "AX T1 FS INJECTE 2", "T1 apr\xc3\xa8s gado", "T1 nach Gabe KM", "t1 nach Kontrast",
       "T1 post-op +C", "T1 pre-op post gad", "T1 post THRIVE", "T1 post 2", "T1 post RT",
-      "T1 ax SPAIR na contrast", "T1 na gadolinium", "T1 met contrast", "T1 na gd",
+      "T1FSpostGd", "T1 ax SPAIR na contrast", "T1 na gadolinium", "T1 met contrast", "T1 na gd",
       // In UTF-8 and in Latin 1, both cases.
       "T1 apr\xc3\xa8s injection", "T1 APR\xc3\x88S INJECTION", "T1 apr\xe8s inj",
       "T1 apres injection", "t1 sp\xc3\xa4t", "t1 SP\xc3\x84T", "t1 sp\xe4tphase", "t1 spaet" })
@@ -88,6 +88,7 @@ TEST(SeriesRules, ContrastIsToldByWordsOfManyTongues)
   }
   for (const char* description :
     { "T1", "t1 tra", "t1_fl3d_tra_spair", "T1 spatial sat", "T1 pre and post", "T1 spread",
+      "T1 W/WO CONTRAST", "T1 W WO CONTRAST", "T1 with and without contrast", "t1 ohne und mit KM",
       // Something else than contrast is before or after.
       "T1 post-op", "T1 POSTOP", "T1 postoperative", "T1 post op sag", "T1 post biopsy",
       "T1 post-chemo", "T1 post NAC", "T1 posterior", "T1 post-radiotherapy", "T1 postoperativ",
@@ -225,6 +226,30 @@ TEST(SeriesRules, OrderAloneMakesNothingCertain)
   all[0].Header.ContrastStartTime = "235959";
   CompareSeries(all);
   EXPECT_TRUE(all[0].ContrastByOrder);
+}
+
+TEST(SeriesRules, CopiesOfAnImageAreNoPhases)
+{
+  std::vector<StudySeries> all = InOrder({ "t1 fs", "t1 fs" });
+  all[0].Header.ImageType = { "ORIGINAL", "PRIMARY", "M", "ND" };
+  all[1].Header.ImageType = { "ORIGINAL", "PRIMARY", "M", "DIS2D" };
+  CompareSeries(all);
+  EXPECT_EQ(all[0].Contrast, ContrastPhase::Unknown);
+  EXPECT_EQ(all[1].Contrast, ContrastPhase::Unknown);
+}
+
+TEST(SeriesRules, AnInjectionBeforeWhatSaysPreIsTold)
+{
+  std::vector<StudySeries> all = InOrder({ "t1 loc", "t1 pre", "t1 post" });
+  for (StudySeries& series : all)
+  {
+    series.Header.AcquisitionTime = series.Header.SeriesTime;
+    series.Header.ContrastStartTime = "100050";
+  }
+  CompareSeries(all);
+  EXPECT_EQ(all[1].Contrast, ContrastPhase::Before);
+  EXPECT_EQ(all[1].ContrastEvidence,
+    "description 'pre', though its header has the injection before it");
 }
 
 TEST(SeriesRules, SeriesOfOneCountGoByTheirOrder)

@@ -107,6 +107,8 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
     { M::FatSuppressed, "it", "supg\\w*", "SupGrasso" },
     { M::FatSuppressed, "de", "fett ?s\\w*", "Fetts\xc3\xa4ttigung" },
 
+    { M::FatSuppressed, "", "t1w?fs(?:pre|post)\\w*", "T1FSpostGd" },
+
     { M::NotFatSuppressed, "en", "(?:non?|w o|wo|without) ?<fat>", "T1 without fat sat" },
     { M::NotFatSuppressed, "de", "ohne ?<fat>", "t1 ohne FS" },
     { M::NotFatSuppressed, "fr", "sans ?<fat>", "T1 sans FS" },
@@ -128,9 +130,17 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
       "dyn\\w*",
       "cVIBE, VIBRANT-XV, eTHRIVE, flash3d, fl3d_tra, LAVA, BLISS, FSPGR, Dynamic" },
 
+    { M::BothContrasts, "",
+      "(?:w|with|mit|avec|con|com|met|med) (?:(?:and|or|und|et|y|e|en|och) )?"
+      "(?:w o|wo|without|ohne|sans|sin|sem|senza|zonder|utan)|"
+      "(?:w o|wo|without|ohne|sans|sin|sem|senza|zonder|utan) (?:(?:and|or|und|et|y|e|en|och) )?"
+      "(?:w|with|mit|avec|con|com|met|med)",
+      "T1 W/WO CONTRAST, T1 ohne und mit KM" },
+
     { M::BeforeContrast, "", "pre ?<agent>|pre(?! ?<treatment>) ?[cg]\\w*",
       "T1 pre mdc, t1_pre_gd" },
-    { M::BeforeContrast, "de", "nativ|(?:ohne|vor) ?<agent>", "T1 nativ, t1 ohne Kontrastmittel" },
+    { M::BeforeContrast, "de", "nativ|(?:ohne|vor) ?<agent>|(?:km|kontrastmittel) ?frei",
+      "T1 nativ, t1 ohne Kontrastmittel, T1 KM-frei" },
     { M::BeforeContrast, "fr", "nati[fv]\\w*|(?:sans|avant|non) ?<agent>",
       "T1 native, T1 avant injection de gadolinium" },
     { M::BeforeContrast, "en",
@@ -141,10 +151,11 @@ const std::vector<HeaderVocabularyRow>& HeaderVocabulary()
     { M::BeforeContrast, "pt", "sem ?<agent>|s contrast\\w*", "T1 sem contraste, T1 S/ CONTRASTE" },
     { M::BeforeContrast, "nl", "blanco|(?:zonder|voor) ?<agent>", "T1 blanco, T1 zonder contrast" },
     { M::BeforeContrast, "sv", "ut[ae]n ?<agent>", "T1 utan kontrast" },
-    { M::BeforeContrast, "", "pre(?! ?<treatment>)|nonc|mask", "T1 pre, T1 NonC, VIBRANT MASK" },
+    { M::BeforeContrast, "", "(?:t1(?:w?fs)?|fs)?pre(?! ?<treatment>)|nonc|mask",
+      "T1FSpre, T1 NonC, VIBRANT MASK" },
 
     { M::AfterContrast, "",
-      "post(?! ?<treatment>|erior)\\w*|gad\\w*|gd|mdc|civ|\\+ "
+      "(?:t1(?:w?fs)?|fs)?post(?! ?<treatment>|erior)\\w*|gad\\w*|gd|mdc|civ|\\+ "
       "?c\\w*|c\\+|dotarem|magnevist|prohance|multihance",
       "T1 postgad, T1 Gadovist, T1 Gd, T1 mdc, T1 CIV, T1 +C, T1 C+, T1 Dotarem, T1 Magnevist, "
       "T1 ProHance, T1 MultiHance" },

@@ -47,6 +47,7 @@ enum class HeaderMeaning
   NamedWeighting,
   T1Sequence,
   // Contrast agent.
+  BothContrasts,
   BeforeContrast,
   AfterContrast,
   NoAgent,

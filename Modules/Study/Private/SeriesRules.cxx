@@ -415,17 +415,22 @@ struct DynamicGroup
   std::vector<StudySeries*> Volumes;
 };
 
-/// Whether two series differ in nothing but what their descriptions say.
+/// Whether two series differ in nothing but what their descriptions say. Images whose distortion a
+/// scanner has corrected are copies of those that it has not.
 bool IsOfOneProtocol(const StudySeries& a, const StudySeries& b)
 {
+  const auto corrected = [](const StudySeries& series) {
+    return FindValue(series.Header.ImageType, { "ND", "DIS2D", "DIS3D" });
+  };
   // A fiftieth: scanners adapt the repetition time a little.
   const auto near = [](const std::optional<double>& x, const std::optional<double>& y)
   { return std::abs(x.value_or(0) - y.value_or(0)) <= 0.02 * std::abs(x.value_or(0)); };
   const DicomHeader& first = a.Header;
   const DicomHeader& second = b.Header;
   return first.Identity.StudyInstanceUid == second.Identity.StudyInstanceUid && a.Fat == b.Fat &&
-    a.Side == b.Side && a.Slices.size() == b.Slices.size() && first.Columns == second.Columns &&
-    first.Rows == second.Rows && near(first.RepetitionTimeMs, second.RepetitionTimeMs) &&
+    a.Side == b.Side && corrected(a) == corrected(b) && a.Slices.size() == b.Slices.size() &&
+    first.Columns == second.Columns && first.Rows == second.Rows &&
+    near(first.RepetitionTimeMs, second.RepetitionTimeMs) &&
     near(first.EchoTimeMs, second.EchoTimeMs) && near(first.FlipAngleDeg, second.FlipAngleDeg);
 }
 
@@ -472,6 +477,10 @@ void TellByWords(StudySeries& series, const std::vector<StudySeries>& all)
           series.Description + "'");
     }
     return; // Otherwise the order tells.
+  }
+  if (!FindMeaning(words, M::BothContrasts).empty())
+  {
+    return;
   }
   const std::string pre = FindMeaning(words, M::BeforeContrast);
   // Not the contrast that it is without: "pre contrast", "ohne KM".
@@ -662,8 +671,15 @@ void TellByInjection(std::vector<StudySeries>& all)
             !moment.empty() && (later ? moment > start : moment < start);
         });
     };
-    if (series.Contrast == ContrastPhase::Unknown && !start.empty() && !time.empty() &&
-      other(false) && other(true))
+    if (start.empty() || time.empty() || !other(false) || !other(true))
+    {
+      continue;
+    }
+    if (series.Contrast == ContrastPhase::Before && time > start)
+    {
+      series.ContrastEvidence += ", though its header has the injection before it";
+    }
+    if (series.Contrast == ContrastPhase::Unknown)
     {
       series.Contrast = time < start ? ContrastPhase::Before : ContrastPhase::After;
       series.ContrastEvidence = std::string("taken ") + (time < start ? "before" : "after") +
