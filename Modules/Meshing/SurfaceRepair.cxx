@@ -19,6 +19,8 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <map>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -97,6 +99,107 @@ double WidestMm(const SurfaceMesh& surface)
   return widest;
 }
 
+/// A triangle's corners in ascending order.
+using TriangleKey = std::array<std::size_t, 3>;
+/// A side of it.
+using SideKey = std::pair<std::size_t, std::size_t>;
+
+std::array<SideKey, 3> SidesOf(const TriangleKey& key)
+{
+  return { SideKey{ key[0], key[1] }, SideKey{ key[1], key[2] }, SideKey{ key[0], key[2] } };
+}
+
+TriangleKey KeyOf(const SoupPolygon& corners)
+{
+  TriangleKey key{ corners[0], corners[1], corners[2] };
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+/// 0 where the corners follow each other as in the key, 1 against it.
+std::size_t SenseOf(const SoupPolygon& corners)
+{
+  return ((corners[0] > corners[1]) + (corners[0] > corners[2]) + (corners[1] > corners[2])) % 2;
+}
+
+/// How often each triangle is there, in either sense.
+using TriangleCounts = std::map<TriangleKey, std::array<std::size_t, 2>>;
+
+/**
+ * Triangles that are there as often in one sense as in the other and enclose nothing, as where
+ * parts touch: patches of them that end only where the others make a whole surface without them.
+ */
+std::set<TriangleKey> WallsIn(const TriangleCounts& counts)
+{
+  std::map<SideKey, std::size_t> others;
+  std::map<SideKey, std::vector<TriangleKey>> facing;
+  std::set<TriangleKey> left;
+  for (const auto& [key, senses] : counts)
+  {
+    const bool faces = senses[0] == senses[1];
+    for (const SideKey& side : SidesOf(key))
+    {
+      others[side] += faces ? 0 : 1;
+      if (faces)
+      {
+        facing[side].push_back(key);
+        left.insert(key);
+      }
+    }
+  }
+  std::set<TriangleKey> walls;
+  while (!left.empty())
+  {
+    std::vector<TriangleKey> patch{ *left.begin() };
+    left.erase(left.begin());
+    bool meetsOthers = false;
+    bool isWall = true;
+    for (std::size_t index = 0; index < patch.size(); ++index)
+    {
+      for (const SideKey& side : SidesOf(patch[index]))
+      {
+        meetsOthers = meetsOthers || others[side] > 0;
+        isWall = isWall && others[side] % 2 == 0;
+        for (const TriangleKey& next : facing[side])
+        {
+          if (left.erase(next) > 0)
+          {
+            patch.push_back(next);
+          }
+        }
+      }
+    }
+    if (meetsOthers && isWall)
+    {
+      walls.insert(patch.begin(), patch.end());
+    }
+  }
+  return walls;
+}
+
+/// Leaves one of equal triangles, none of walls, and returns the number of the others.
+std::size_t LeaveOutDoubled(std::vector<SoupPolygon>& polygons)
+{
+  TriangleCounts counts;
+  for (const SoupPolygon& polygon : polygons)
+  {
+    ++counts[KeyOf(polygon)][SenseOf(polygon)];
+  }
+  std::set<TriangleKey> seen = WallsIn(counts);
+  std::vector<SoupPolygon> kept;
+  for (const SoupPolygon& polygon : polygons)
+  {
+    const TriangleKey key = KeyOf(polygon);
+    const std::size_t sense = SenseOf(polygon);
+    if (counts[key][sense] >= counts[key][1 - sense] && seen.insert(key).second)
+    {
+      kept.push_back(polygon);
+    }
+  }
+  polygons.swap(kept);
+  return kept.size() - polygons.size();
+}
+
 /// The triangles whose corners are apart, each once, with the points that they use.
 void MakeSoup(const SurfaceMesh& surface, double weldMm, std::vector<RepairPoint>& points,
   std::vector<SoupPolygon>& polygons, RepairedSurface& repaired)
@@ -130,7 +233,7 @@ void MakeSoup(const SurfaceMesh& surface, double weldMm, std::vector<RepairPoint
       }
     }
   }
-  repaired.DoubledTriangles = PMP::merge_duplicate_polygons_in_polygon_soup(points, polygons);
+  repaired.DoubledTriangles = LeaveOutDoubled(polygons);
 }
 
 RepairKernel::Vector_3 NormalOf(const RepairMesh& mesh, RepairMesh::Face_index face)

@@ -125,6 +125,33 @@ TEST(SurfaceRepair, DoubledFlatAndTurnedTrianglesAreMended)
     1e-9 * volume);
 }
 
+TEST(SurfaceRepair, WallsBetweenPartsThatTouchGo)
+{
+  SurfaceMesh boxes;
+  shapes::AddBox(boxes, { 0, 0, 0 }, { 10, 20, 30 }, 1);
+  shapes::AddBox(boxes, { 10, 0, 0 }, { 20, 20, 30 }, 1);
+  const RepairedSurface repaired = RepairSurface(boxes);
+  EXPECT_EQ(repaired.DoubledTriangles, 4u);
+  EXPECT_TRUE(CheckSurface(repaired.Surface).Sound());
+  EXPECT_NEAR(CheckSurface(repaired.Surface).Materials.at(0).VolumeMm3, 12000, 1e-6);
+  // A surface of two sides is one; a triangle that is there once more, turned, is no wall.
+  SurfaceMesh twoSided = RepairBall();
+  const std::size_t count = twoSided.NumberOfTriangles();
+  for (std::size_t triangle = 0; triangle < count; ++triangle)
+  {
+    const std::uint32_t ids[3] = { twoSided.Triangles[3 * triangle],
+      twoSided.Triangles[3 * triangle + 1], twoSided.Triangles[3 * triangle + 2] };
+    shapes::AddTriangle(twoSided, ids[1], ids[0], ids[2], 1, 0);
+  }
+  EXPECT_EQ(RepairSurface(twoSided).DoubledTriangles, count);
+  ExpectSameBody(RepairSurface(twoSided).Surface, RepairBall(), 1e-9);
+  SurfaceMesh one = RepairBall();
+  const std::uint32_t ids[3] = { one.Triangles[0], one.Triangles[1], one.Triangles[2] };
+  shapes::AddTriangle(one, ids[1], ids[0], ids[2], 1, 0);
+  EXPECT_EQ(RepairSurface(one).DoubledTriangles, 1u);
+  ExpectSameBody(RepairSurface(one).Surface, RepairBall(), 1e-9);
+}
+
 TEST(SurfaceRepair, SmallHolesAreClosed)
 {
   const SurfaceMesh ball = RepairBall();
