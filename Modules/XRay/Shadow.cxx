@@ -308,6 +308,14 @@ std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wan
     }
     seen.Add(shadow);
   }
+  const bool isBetween =
+    seen.HasMaterial && !seen.HoldsSource && !seen.IsBehindSource && !seen.IsBehindDetector;
+  if (isEmpty && lines.empty() && isBetween && seen.Share() > 0.5 && seen.Columns.Length() >= 2 &&
+    seen.Rows.Length() >= 2)
+  {
+    return "the picture is empty, though the object's shadow falls on the detector: its triangles "
+           "enclose nothing, as a check of the mesh tells, or it is thinner than a pixel";
+  }
   if (isEmpty)
   {
     return "the picture is empty: " + (lines.empty() ? seen.Reason(scene.Detector) : lines);
@@ -316,7 +324,7 @@ std::string ShadowWarning(const Scene& scene, const Exposure& exposure, bool wan
   {
     char share[64] = "";
     // What lies behind the source or the detector has no shadow that could be counted.
-    if (!seen.HoldsSource && !seen.IsBehindSource && !seen.IsBehindDetector)
+    if (isBetween)
     {
       std::snprintf(share, sizeof share,
         "%.3g %% of the shadow falls on the detector: ", 100 * seen.Share());

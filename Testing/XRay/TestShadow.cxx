@@ -112,6 +112,26 @@ TEST(Shadow, AWarningNeedsAnEmptyOrACutPicture)
     testing::StartsWith("the picture is empty: the object lies behind the source"));
 }
 
+TEST(Shadow, ASurfaceThatEnclosesNothingIsTold)
+{
+  SurfaceMesh twoSided = ShadowBox({ 45, 25, 100 }, { 55, 35, 110 });
+  const std::vector<std::uint32_t> there = twoSided.Triangles;
+  for (std::size_t corner = 0; corner < there.size(); corner += 3)
+  {
+    shapes::AddTriangle(twoSided, there[corner + 1], there[corner], there[corner + 2], 1, 0);
+  }
+  Scene scene;
+  scene.Materials.Materials = { { .Name = "air" }, { .Name = "one" } };
+  scene.Source = SourceAt(50, 30, 200);
+  scene.Detector = ShadowPlate();
+  scene.Samples = { { std::make_shared<const SurfaceMesh>(twoSided) } };
+  auto lengths = std::make_shared<PathLengthImage>();
+  lengths->Lengths = { 0, 0 };
+  Exposure exposure;
+  exposure.Lengths = lengths;
+  EXPECT_THAT(ShadowWarning(scene, exposure), HasSubstr("its triangles enclose nothing"));
+}
+
 TEST(Shadow, PartsOfWhichNothingIsSeenAreTold)
 {
   Scene scene;
