@@ -83,7 +83,9 @@ DecodedImage Decode(const std::string& path, const std::string& what)
   DecodedImage image{ size[0], size[1], 8 * values->GetDataTypeSize(),
     values->GetDataType() == VTK_FLOAT };
   image.Pixels.reserve(static_cast<std::size_t>(values->GetNumberOfTuples()));
-  const int colours = std::min(values->GetNumberOfComponents(), 3);
+  // The second of two is the opacity.
+  const int components = values->GetNumberOfComponents();
+  const int colours = components == 2 ? 1 : std::min(components, 3);
   // VTK has the last row of PNG and JPEG first.
   const bool isTurned = !extension.starts_with(".mh");
   for (int row = 0; row < image.Rows; ++row)

@@ -14,6 +14,7 @@
 #include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkPolygon.h"
@@ -329,6 +330,12 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
   vtkDataArray* front = data->GetArray(FrontMaterialArrayName);
   vtkDataArray* back = data->GetArray(BackMaterialArrayName);
   vtkDataArray* inside = data->GetArray(MaterialArrayName);
+  const bool isText = !inside && data->GetAbstractArray(MaterialArrayName);
+  if (isText || (!inside && !back && surface->GetPointData()->HasArray(MaterialArrayName)))
+  {
+    throw InputError(std::string("surface: expected a cell array '") + MaterialArrayName +
+      "' of whole numbers, found one of " + (isText ? "texts" : "points"));
+  }
   if (!front != !back)
   {
     throw InputError(std::string("surface: expected both cell arrays '") + FrontMaterialArrayName +

@@ -159,6 +159,19 @@ auto Decode(const std::string& path)
   return vtkSmartPointer(reader->GetOutput());
 }
 
+vtkSmartPointer<vtkUnstructuredGrid> DecodeLegacyGrid(const std::string& path)
+{
+  vtkNew<vtkUnstructuredGridReader> kind;
+  kind->SetFileName(path.c_str());
+  if (kind->IsFilePolyData())
+  {
+    throw InputError(path +
+      ": expected a volume mesh (UNSTRUCTURED_GRID), found a surface (POLYDATA), which a .vtp file "
+      "may hold");
+  }
+  return Decode<vtkUnstructuredGridReader>(path);
+}
+
 /// Throws InputError unless the mesh has points and cells.
 template <typename Mesh>
 void CheckSome(Mesh* mesh, const std::string& path)
@@ -532,7 +545,7 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
   CheckReadable(path, "a mesh");
   const std::string extension = ExtensionOf(path);
   const GridDecoder decode = extension == ".vtu" ? Decode<vtkXMLUnstructuredGridReader>
-    : extension == ".vtk"                        ? Decode<vtkUnstructuredGridReader>
+    : extension == ".vtk"                        ? DecodeLegacyGrid
     : extension == ".msh"                        ? GridDecoder(ReadGmsh)
                                                  : nullptr;
   if (!decode)

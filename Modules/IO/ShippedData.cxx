@@ -182,6 +182,11 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   {
     return *composition;
   }
+  if (name.find('@') != std::string::npos)
+  {
+    throw InputError("attenuation '" + name +
+      "': expected the density apart (density_g_per_cm3; density in Python), found an @");
+  }
   const std::vector<std::string> tables = KnownNames(folder, ".csv");
   std::vector<std::string> known = tables;
   const std::vector<std::string> compounds = CompositionNames(name);

@@ -379,8 +379,15 @@ TEST(LabelVolumeIO, NrrdSpaces)
     EXPECT_EQ(given.Origin, (Vector3{ 1, 2, 3 })) << space;
     EXPECT_EQ(given.Direction[0], (Vector3{ 1, 0, 0 })) << space;
   }
-  EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
-  EXPECT_THAT(RefusalOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
+  for (const char* space : { "RSP", "3D-left-handed" })
+  {
+    EXPECT_THAT(RefusalOf([&] { originOf(space); }), testing::HasSubstr("space: expected"));
+  }
+  {
+    NoteKeeper scanner;
+    EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
+    EXPECT_THAT(scanner.Lines(), testing::ElementsAre(testing::HasSubstr("is scanner-xyz: ")));
+  }
   NoteKeeper notes;
   originOf("3D-right-handed"); // as our phantoms, whose axes an orientation tells
   EXPECT_THAT(notes.Lines(), testing::IsEmpty());
@@ -488,6 +495,16 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
     testing::ElementsAre(5, 6));
   EXPECT_THAT(ReadMessage(folder.Write("cut.mha", mha + "123")),
     HasSubstr("expected 2 voxels of 2 bytes, found 3 bytes"));
+  std::string unsized = mha;
+  unsized.insert(unsized.find("ElementDataFile"), "CompressedData = True\n");
+  EXPECT_THAT(ReadMessage(folder.Write("unsized.mha", unsized + "123")),
+    HasSubstr("compresseddatasize: expected the number of bytes"));
+  std::string colours = nifti; // RGB24: three bytes of a voxel
+  colours[70] = '\x80';
+  colours[71] = '\0';
+  colours[72] = 24;
+  EXPECT_THAT(ReadMessage(folder.Write("rgb.nii", colours + std::string(48, '\1'))),
+    HasSubstr("expected one label per voxel, found 3"));
 
   std::string sheared = Nrrd("uint8", "\1\2");
   sheared.replace(sheared.find("(0,1,0)"), 7, "(1,1,0)");

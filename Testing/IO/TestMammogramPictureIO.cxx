@@ -63,6 +63,8 @@ TEST(MammogramPictureIO, ColoursMustBeGrey)
   const PictureDescription given{ .PixelSpacingMm = 0.1, .View = "CC", .Laterality = 'R' };
   const std::string grey = WritePicture(folder.File("grey.png"), { 200, 202, 199 });
   EXPECT_EQ(ReadMammogramPicture(grey, given).Pixels[5], 200);
+  const std::string opaque = WritePicture(folder.File("opaque.png"), { 200, 255 });
+  EXPECT_EQ(ReadMammogramPicture(opaque, given).Pixels[5], 200);
   const std::string red = WritePicture(folder.File("red.png"), { 200, 0, 0 });
   EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(red, given); }), HasSubstr("a coloured one"));
 }

@@ -9,7 +9,9 @@
 #include "vtkDoubleArray.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gmock/gmock.h>
@@ -88,6 +90,27 @@ TEST(MeshConversion, MaterialsThatAreNoWholeNumbersAreRefused)
   materials->SetNumberOfComponents(2);
   materials->SetNumberOfTuples(2);
   EXPECT_THAT(test::RefusalOf([&] { FromGrid(grid); }), testing::EndsWith("found 2 numbers"));
+}
+
+TEST(MeshConversion, MaterialsOfASurfaceThatAreNoNumbersOfCellsAreRefused)
+{
+  const auto surface = ToPolyData(Tetrahedron(), {});
+  surface->GetCellData()->RemoveArray(FrontMaterialArrayName);
+  surface->GetCellData()->RemoveArray(BackMaterialArrayName);
+  EXPECT_EQ(FromPolyData(surface).BackMaterials[0], 1);
+  vtkNew<vtkDoubleArray> ofPoints;
+  ofPoints->SetName(MaterialArrayName);
+  ofPoints->SetNumberOfTuples(4);
+  ofPoints->Fill(2);
+  surface->GetPointData()->AddArray(ofPoints);
+  EXPECT_THAT(test::RefusalOf([&] { FromPolyData(surface); }),
+    testing::HasSubstr("a cell array 'Material' of whole numbers, found one of points"));
+  vtkNew<vtkStringArray> texts;
+  texts->SetName(MaterialArrayName);
+  texts->SetNumberOfValues(4);
+  surface->GetCellData()->AddArray(texts);
+  EXPECT_THAT(test::RefusalOf([&] { FromPolyData(surface); }),
+    testing::HasSubstr("found one of texts"));
 }
 
 TEST(MeshConversion, GridsAreFittedToATableByNames)

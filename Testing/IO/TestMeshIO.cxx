@@ -100,7 +100,7 @@ TEST(MeshIO, ReadsLegacyFiles)
                     "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
                     "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"));
                 }),
-    testing::HasSubstr("surface.vtk: expected a mesh"));
+    testing::HasSubstr("surface.vtk: expected a volume mesh (UNSTRUCTURED_GRID), found a surface"));
 }
 
 TEST(MeshIO, SurfacesComeBackInEveryFormat)

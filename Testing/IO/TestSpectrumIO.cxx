@@ -64,6 +64,7 @@ TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
     "keV, centre\r10 5\r\r11 7\r12 1\r", // an old Macintosh's, and some spreadsheets'
     "28 kVp W\n50\nE(MeV) at centre\tfluence\n0.010\t5\n0.011\t7\n0.012\t1\n",
     "centre_eV,N\n\"10000\",\"5\"\n\"11000\",\"7\"\n\"12000\",\"1\"\n",
+    "\"Energy (keV)\",\"at centre\"\n\"10,0\",\"5,00\"\n\"11,0\",\"7,00\"\n\"12,0\",\"1,00\"\n",
     "keV centre\n12 1\n11 7\n10 5\n", "keV centre\n10,0 5,0\n11,0 7,0\n12,0 1,0\n",
     "from, to [keV], N\n9.5, 10.5, 5\n10.5, 11.5, 7\n11.5, 12.5, 1\n",
     "lower edge (keV), N\n9.5, 5\n10.5, 7\n11.5, 1\n",
@@ -80,7 +81,11 @@ TEST(SpectrumIO, TablesOfOthersAreReadInTheirForms)
   EXPECT_EQ(ReadText("keV, centre\n9,10,11,12\n0,5,7,1\n"), "9:0 10:5 11:7 12:1");
   // An edge may be 0. Densities count with the width of their bin.
   EXPECT_EQ(ReadText("keV\n0 0\n10 4\n20 2\n40 0\n"), "5:0 15:4 30:2");
-  EXPECT_EQ(ReadText("centre keV, N per keV\n10 4\n20 2\n40 1\n"), "10:40 20:30 40:20");
+  for (const char* const titles : { "centre keV, N per keV", "# centre [keV]  photons per keV",
+         "centre (keV), Fluence (1/(mm2 keV))", "centre, per keV" })
+  {
+    EXPECT_EQ(ReadText(titles + std::string("\n10 4\n20 2\n40 1\n")), "10:40 20:30 40:20");
+  }
   EXPECT_EQ(ReadText("keV centre\n59.54 1\n"), "59.54:1");
 }
 
@@ -125,6 +130,8 @@ TEST(SpectrumIO, OtherTablesAreRefusedByLine)
   EXPECT_THAT(refusal("keV,20 kV,21 kV,22 kV\n10,1,2,3\n"), testing::HasSubstr("keep the column"));
   EXPECT_THAT(refusal("keV; total; lines\n10.5;4;0\n11.5;5;0\n"), testing::HasSubstr("keep one"));
   EXPECT_THAT(refusal("energy, photons\n"), testing::HasSubstr("found none"));
+  // Decimal, or a thousand?
+  EXPECT_THAT(refusal("keV\n\"10,0\",\"1,200\"\n"), testing::HasSubstr("found 4 number(s)"));
   EXPECT_THAT(refusal("0 3\n"), testing::HasSubstr("at least two edges"));
   // A negative value ends nothing here, wherever it stands.
   EXPECT_THAT(refusal("keV,photons\n20,1\n25,-2\n30,3\n"),

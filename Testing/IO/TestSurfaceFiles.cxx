@@ -349,6 +349,11 @@ TEST_F(SurfaceFiles, WhatAFileHoldsInsteadIsNamed)
                              "property float y\nproperty float z\n";
   EXPECT_THAT(this->Refusal("cloud.ply", points + "end_header\n0 0 0\n1 0 0\n"),
     HasSubstr("cloud.ply: expected a mesh, found 2 points without cells"));
+  this->ExpectVolume("faces-first.ply",
+    "ply\nformat ascii 1.0\nelement face 4\nproperty list uint8 int64 vertex_indices\n"
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n0 0 0\n6 0 0\n0 1 0\n0 0 1\n",
+    1, 4);
   EXPECT_THAT(this->Refusal("strips.ply",
                 points + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"),
     HasSubstr("strips.ply: expected faces, found triangle strips"));
@@ -527,6 +532,8 @@ TEST_F(SurfaceFiles, WhatAnObjHasBesideItsFacesIsPassedOver)
     backwards += " # back\n";
   }
   this->ExpectVolume("backwards.obj", backwards, 1000, 12);
+  EXPECT_THAT(this->Read("form.obj", plain + "surf 0 1 0 1 1 2 3 4\nend\n").Told,
+    HasSubstr("form.obj: left out 1 free-form surface(s)"));
   EXPECT_THAT(this->Refusal("wrong.obj", plain + "f 1 2 99\n"),
     HasSubstr("wrong.obj: line 15: expected vertices 1 to 8, found 99"));
   EXPECT_THAT(this->Refusal("wrong.obj", plain + "f 1 2\n"), HasSubstr("three vertices"));
@@ -583,6 +590,9 @@ TEST_F(SurfaceFiles, PhysicalGroupsOfGmshAreMaterials)
   EXPECT_THAT(this->Refusal("a.msh", Gmsh4Binary().substr(0, 700)), HasSubstr("a.msh: "));
   EXPECT_THAT(this->Refusal("a.msh", "$MeshFormat\n1 0 8\n$EndMeshFormat\n"),
     HasSubstr("expected version 2.2 or 4.1 of a mesh of gmsh, found 1"));
+  EXPECT_THAT(this->Refusal("a.msh", "$NOD\n0\n$ENDNOD\n"), HasSubstr("found version 1"));
+  const std::string comments = "$Comments\nby a test\n$EndComments\n";
+  EXPECT_EQ(read(comments + Gmsh4(), names).first.NumberOfCells(), 2u);
 }
 
 TEST_F(SurfaceFiles, TheSidesOfAGmshFileAreASurface)

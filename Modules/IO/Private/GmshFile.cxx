@@ -59,9 +59,15 @@ public:
 
   vtkSmartPointer<vtkUnstructuredGrid> Read()
   {
-    if (this->Words.Next() != "$MeshFormat")
+    std::string first(this->Words.Next());
+    for (; first == "$Comments"; first = this->Words.Next())
     {
-      throw InputError(this->Path + ": expected a mesh of gmsh, found no $MeshFormat");
+      this->SkipTo("$EndComments");
+    }
+    if (first != "$MeshFormat")
+    {
+      throw InputError(this->Path + ": expected version 2.2 or 4.1 of a mesh of gmsh, found " +
+        (first == "$NOD" ? "version 1" : "no $MeshFormat"));
     }
     this->ReadFormat();
     for (std::string section(this->Words.Next()); !section.empty(); section = this->Words.Next())

@@ -37,7 +37,8 @@ struct EnergyTable
 };
 
 /// The cells of a line. They are parted by semicolons, otherwise by tabs, commas or blanks; commas
-/// are decimal ones between semicolons, and where each of two cells has one.
+/// are decimal ones between semicolons, and where each of two cells has one, as in quotes: but for
+/// "1,200", which may be a thousand.
 std::vector<std::string> CellsOf(const std::string& line)
 {
   const auto split = [&line](const char* separators)
@@ -63,6 +64,14 @@ std::vector<std::string> CellsOf(const std::string& line)
   if (line.find(';') != std::string::npos)
   {
     return withPoints(split("; \t\""));
+  }
+  static const std::regex quoted(
+    "\"(-?\\d{1,20},\\d{1,20})\"[, \t]{1,9}\"(-?\\d{1,20},\\d{1,20})\"\\s{0,9}");
+  static const std::regex thousands("[1-9]\\d{0,2},\\d{3}");
+  if (std::smatch two; std::regex_match(line, two, quoted) &&
+      !(std::regex_match(two[1].str(), thousands) || std::regex_match(two[2].str(), thousands)))
+  {
+    return withPoints({ two[1].str(), two[2].str() });
   }
   const std::vector<std::string> byBlanks = split(" \t\"");
   const auto hasComma = [](const std::string& cell)
@@ -182,15 +191,17 @@ bool NamesAnyUnit(const std::string& text)
     [&text](const EnergyUnit& unit) { return NamesUnit(text, unit); });
 }
 
-/// Whether values are told to be densities in energy, after the title of the energies: "E/keV,
-/// N/keV", "E [keV]; photons per keV".
-bool NamesDensity(const std::string& titles)
+/// Whether values are told to be densities in energy: "photons per keV", or, after the title of the
+/// energies, "E/keV, N/keV", "E (keV), N (1/(mm2 keV))".
+bool NamesDensity(const std::string& said)
 {
+  static const std::regex plain("per ?\\(? ?[km]?ev(?![a-z])");
   static const std::regex unit("[km]?ev(?![a-z])");
-  static const std::regex density("(?:/|per) ?\\(? ?[km]?ev(?![a-z])|[km]?ev ?\\^? ?-1");
+  static const std::regex density("/ ?(?:\\([^()]{0,20})?[km]?ev(?![a-z])|[km]?ev ?\\^? ?-1");
   std::smatch first;
-  return std::regex_search(titles, first, unit) &&
-    std::regex_search(first.suffix().first, titles.end(), density);
+  return std::regex_search(said, plain) ||
+    (std::regex_search(said, first, unit) &&
+      std::regex_search(first.suffix().first, said.end(), density));
 }
 
 bool NamesCentres(const std::string& text)
@@ -405,7 +416,7 @@ Spectrum OtherSpectrum(EnergyTable table, std::string& inferred)
     : areEdges                   ? BinsOfLowerEdges(table)
                                  : BinsOfCentres(table);
   // Counts are those of a bin, whatever its width, unless the header says otherwise.
-  const bool areDensities = NamesDensity(table.Titles);
+  const bool areDensities = NamesDensity(table.Titles) || NamesDensity(table.Comments);
   if (!threeColumns && !areEdges && !saysCentres)
   {
     inferred = std::string("values as photons ") + (areDensities ? "per keV" : "of bins") +

@@ -219,7 +219,15 @@ StoredVoxels StoredVoxels::OfMetaImage(const TextHeader& header)
   StoredVoxels voxels{ header.Path, header.Bytes };
   const std::string compressed = header.Value("compresseddata");
   voxels.Packed = compressed == "true" || compressed == "1" ? Packing::Voxels : Packing::None;
-  if (header.Value("elementdatafile") != "local")
+  if (header.Value("elementdatafile") == "local")
+  {
+    // MetaIO inflates from the file's start then, and answers zeros.
+    if (voxels.Packed != Packing::None && header.Fields.count("compresseddatasize") == 0)
+    {
+      header.Refuse("compresseddatasize", "the number of bytes behind the header");
+    }
+  }
+  else
   {
     if (header.Fields.count("elementdatafile") == 0)
     {

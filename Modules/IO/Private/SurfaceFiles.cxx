@@ -215,6 +215,8 @@ struct PlyProperty
     UInt16,
     Int32,
     UInt32,
+    Int64,
+    UInt64,
     Float,
     Double
   };
@@ -247,6 +249,9 @@ public:
     bool isDouble = this->Format == "ascii";
     for (const PlyElement& element : this->Elements)
     {
+      // Faces may come first.
+      this->VertexCount +=
+        element.Name == "vertex" && !element.Properties.empty() ? element.Count : 0;
       for (const PlyProperty& property : element.Properties)
       {
         isDouble =
@@ -335,8 +340,9 @@ private:
       { "uchar", Type::UInt8 }, { "uint8", Type::UInt8 }, { "short", Type::Int16 },
       { "int16", Type::Int16 }, { "ushort", Type::UInt16 }, { "uint16", Type::UInt16 },
       { "int", Type::Int32 }, { "int32", Type::Int32 }, { "uint", Type::UInt32 },
-      { "uint32", Type::UInt32 }, { "float", Type::Float }, { "float32", Type::Float },
-      { "double", Type::Double }, { "float64", Type::Double } };
+      { "uint32", Type::UInt32 }, { "int64", Type::Int64 }, { "uint64", Type::UInt64 },
+      { "float", Type::Float }, { "float32", Type::Float }, { "double", Type::Double },
+      { "float64", Type::Double } };
     for (const auto& [known, type] : types)
     {
       if (name == known)
@@ -374,6 +380,10 @@ private:
         return this->Take<std::int32_t>();
       case PlyProperty::Type::UInt32:
         return this->Take<std::uint32_t>();
+      case PlyProperty::Type::Int64:
+        return this->Take<std::int64_t>();
+      case PlyProperty::Type::UInt64:
+        return this->Take<std::uint64_t>();
       case PlyProperty::Type::Float:
         return this->Take<float>();
       default:
@@ -434,8 +444,7 @@ private:
       {
         if (isFace)
         {
-          this->Corners.push_back(
-            this->Index(property.Of, static_cast<double>(list.NumberOfPoints())));
+          this->Corners.push_back(this->Index(property.Of, static_cast<double>(this->VertexCount)));
         }
         else
         {
@@ -462,6 +471,7 @@ private:
   FileWords Words;
   std::string Format;
   std::vector<PlyElement> Elements;
+  std::uint64_t VertexCount = 0;
   /// What is being read.
   std::string Expected;
   std::vector<vtkIdType> Corners;
@@ -490,6 +500,7 @@ vtkSmartPointer<vtkPolyData> ReadObj(const std::string& path)
   PolygonList list(true);
   vtkIdType last = 0;
   std::string lastUse;
+  std::size_t freeForms = 0;
   while (!words.Left().empty())
   {
     const std::string where = LineName(path, words.LineNow());
@@ -547,6 +558,11 @@ vtkSmartPointer<vtkPolyData> ReadObj(const std::string& path)
       }
       list.AddPolygon(corners);
     }
+    freeForms += parts[0] == "surf" ? 1 : 0;
+  }
+  if (freeForms > 0)
+  {
+    Note({ path, "left out " + std::to_string(freeForms) + " free-form surface(s) (surf)" });
   }
   if (last >= list.NumberOfPoints() && !lastUse.empty())
   {

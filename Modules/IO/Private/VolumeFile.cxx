@@ -126,9 +126,10 @@ void TurnNrrd(VolumeGrid& grid, const TextHeader& header, VolumeAxes axes)
     byItk = { -1, 1, 1 };
     toLps = { 1, -1, 1 };
   }
-  else if (space.empty() && axes == VolumeAxes::Patient)
+  else if ((space.empty() || space == "scanner-xyz") && axes == VolumeAxes::Patient)
   {
-    Note({ header.Path, std::string("its field 'space' is missing: ") + AxesNotSaid });
+    Note({ header.Path,
+      "its field 'space' is " + (space.empty() ? "missing" : space) + ": " + AxesNotSaid });
   }
   Flip(grid, byItk);
   if (axes == VolumeAxes::Patient)
@@ -142,7 +143,7 @@ void CheckNrrd(const TextHeader& header)
   header.CheckSizes("sizes");
   static const char* const spaces[] = { "", "right-anterior-superior", "ras",
     "left-anterior-superior", "las", "left-posterior-superior", "lps", "scanner-xyz",
-    "3d-right-handed", "3d-left-handed" };
+    "3d-right-handed" };
   if (std::find(std::begin(spaces), std::end(spaces), header.Value("space")) == std::end(spaces))
   {
     header.Refuse("space",
@@ -337,7 +338,11 @@ void ReadVolumeFile(const std::string& path, const std::string& what, VolumeAxes
     grid = GridOf(*itk, path);
     stored = NiftiVoxels(header, path);
     const int bits = header.At<std::int16_t>(72);
-    storedBytes = bits >= 8 ? static_cast<std::uint64_t>(bits) / 8 : itk->GetComponentSize();
+    // Of colours and complex numbers these are the bits of all components.
+    const auto type = header.At<std::int16_t>(70);
+    const bool isOne = type != 128 && type != 2304 && type != 32 && type != 1792;
+    storedBytes =
+      bits >= 8 && isOne ? static_cast<std::uint64_t>(bits) / 8 : itk->GetComponentSize();
     TurnNifti(grid, header, path, axes);
   }
   else
