@@ -61,6 +61,8 @@ def three(values: ArrayLike, name: str) -> tuple[float, float, float]:
 
 def number(value: Any, name: str) -> float:
     """A finite number."""
+    if isinstance(value, (bool, numpy.bool_)):
+        raise InputError(f"{name}: expected a number, found {value}")
     return float(array_of([value], name, (1,))[0])
 
 
