@@ -80,7 +80,7 @@ class Makers:
         assert made.done(), made.told()
         self.commands.update({
             "compressed.vtu": ["compress", "--mesh", self.mesh, "--materials", "victre", "--orientation", "ALS", "--thickness",
-                               85, "--simulation-cell-size", 12, "-o", "{}"],
+                               85, "--anterior", 5, "--simulation-cell-size", 12, "-o", "{}"],
             "fused.nrrd": ["fuse", *result, "--image", program.phantom("labels.nrrd"), "--axes-as-given", "--spacing", 2, "-o", "{}"],
             "field.nrrd": ["displacement", *result, "--spacing", 8, "-o", "{}"],
             "segmented.seg.nrrd": ["segment", "--image", program.phantom("labels.nrrd"), "--axes-as-given", "-o", "{}"],
