@@ -323,7 +323,9 @@ void StudyPages::MakeRunPage()
     });
   row->addWidget(this->Output, 1);
   row->addWidget(browse);
-  form->addRow(tr("Result &folder"), row);
+  auto* folder = new QLabel(tr("Result &folder"));
+  folder->setBuddy(this->Output);
+  form->addRow(folder, row);
   this->Thoroughness = new QComboBox;
   this->Thoroughness->setObjectName("thoroughness");
   this->Thoroughness->addItems({ tr("usual"), tr("quick look: coarse pictures, large cells") });
