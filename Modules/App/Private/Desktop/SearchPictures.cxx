@@ -2,7 +2,6 @@
 #include "Private/Desktop/SearchPictures.h"
 
 #include <QPainter>
-#include <QTransform>
 
 #include <algorithm>
 #include <cmath>
