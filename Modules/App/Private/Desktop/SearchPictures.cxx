@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Desktop/SearchPictures.h"
 
+#include "Private/GreyLevel.h"
+
 #include <QPainter>
 
 #include <algorithm>
@@ -17,26 +19,15 @@ constexpr double ShownSigmas = 2;
 /// two above it, since the scale of a mammogram for presentation is arbitrary.
 QImage GreyOf(const std::vector<float>& values, const RegistrationTarget& target)
 {
-  double count = 0;
-  double sum = 0;
-  double squares = 0;
-  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
-  {
-    const double inside = target.BreastMask[pixel] != 0 ? 1 : 0;
-    count += inside;
-    sum += inside * values[pixel];
-    squares += inside * values[pixel] * values[pixel];
-  }
-  const double mean = sum / std::max(count, 1.0);
-  const double spread =
-    std::max(std::sqrt(std::max(squares / std::max(count, 1.0) - mean * mean, 0.0)), 1e-6);
+  const GreyLevel level =
+    LevelOf(values, [&](std::size_t pixel) { return target.BreastMask[pixel] != 0; });
   QImage image(target.Grid.Columns, target.Grid.Rows, QImage::Format_Grayscale8);
   for (int row = 0; row < image.height(); ++row)
   {
     uchar* line = image.scanLine(row);
     for (int column = 0; column < image.width(); ++column)
     {
-      const double score = (values[target.Grid.Index(column, row)] - mean) / spread;
+      const double score = (values[target.Grid.Index(column, row)] - level.Mean) / level.Deviation;
       const double share = 0.5 + 0.5 * score / ShownSigmas;
       line[column] = static_cast<uchar>(255 * std::clamp(share, 0.0, 1.0));
     }
