@@ -44,12 +44,12 @@ void Run(DisplacementArguments& arguments)
   CheckOutputFile(arguments.Output);
   const ResultFile result = ReadResultFile(arguments.Result);
   const RegisteredBreast breast(ReadBreastInUnit(result));
-  WarnOfDistrust(result.Folder, result.Trust);
   const DisplacementField field = FindDisplacement(breast, arguments.Direction, arguments.SpacingMm,
     arguments.MarginMm, MakeProgressBar());
   WriteDisplacement(field, arguments.Output);
   std::printf("wrote %s: %d x %d x %d voxels\n", arguments.Output.c_str(), field.Size[0],
     field.Size[1], field.Size[2]);
+  WarnOfDistrust(result.Folder, result.Trust);
 }
 }
 

@@ -81,7 +81,6 @@ void Run(FuseArguments& arguments)
   {
     CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image);
   }
-  WarnOfDistrust(result.Folder, result.Trust);
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =
     CompressVolume(image, breast, arguments.SpacingMm, ShareOf(progress, 0, 0.4));
@@ -103,6 +102,7 @@ void Run(FuseArguments& arguments)
     [&](const std::string& path) { WriteRadiograph(projection, path, "Maximum"); });
   write(arguments.MeanPicture,
     [&](const std::string& path) { WriteRadiograph(projection, path, "Mean"); });
+  WarnOfDistrust(result.Folder, result.Trust);
 }
 }
 

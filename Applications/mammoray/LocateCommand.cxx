@@ -371,25 +371,20 @@ void Run(LocateArguments& arguments)
   {
     throw InputError("view '" + arguments.View + "': expected " + NamesOf(others));
   }
-  for (const ResultFile& result : results)
-  {
-    WarnOfDistrust(result.Folder, result.Trust);
-  }
-  if (asked && arguments.Point)
-  {
-    others.clear(); // --view restricts the answer to one view
-  }
-  if (arguments.Point)
-  {
-    PrintPoint(*arguments.Point, asked, others);
-    return;
-  }
-  if (!asked)
+  if (!asked && !arguments.Point)
   {
     throw InputError("result " + arguments.Result +
       ": expected --view with the result of several mammograms, one of " + NamesOf(others));
   }
-  if (!arguments.Lesion.empty())
+  if (arguments.Point)
+  {
+    if (asked)
+    {
+      others.clear(); // --view restricts the answer to one view
+    }
+    PrintPoint(*arguments.Point, asked, others);
+  }
+  else if (!arguments.Lesion.empty())
   {
     PrintLesions(*asked, arguments);
   }
@@ -403,6 +398,10 @@ void Run(LocateArguments& arguments)
     {
       PrintInBoth(both);
     }
+  }
+  for (const ResultFile& result : results)
+  {
+    WarnOfDistrust(result.Folder, result.Trust);
   }
 }
 }

@@ -95,12 +95,13 @@ std::string DrawBreast(const ViewArguments& arguments)
   {
     throw InputError("--kev: expected --surface or --scene beside it, found neither");
   }
-  std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
+  const std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
+  std::string told = WriteBreastPicture(viewed, ToPictureOptions(arguments), arguments.Screenshot);
   for (const ViewedBreast& one : viewed)
   {
     WarnOfDistrust((std::filesystem::path(arguments.Input.Result) / one.View).string(), one.Trust);
   }
-  return WriteBreastPicture(std::move(viewed), ToPictureOptions(arguments), arguments.Screenshot);
+  return told;
 }
 
 /// Refuses what is of breasts only.
