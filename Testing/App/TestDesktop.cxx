@@ -8,6 +8,8 @@
 #include "mammoray/App/Private/Desktop/SearchPictures.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/XRay/Composition.h"
+#include "mammoray/XRay/Tube.h"
 
 #include "vtkCamera.h"
 #include "vtkPolyData.h"
@@ -391,6 +393,75 @@ TEST_F(Desktop, MovesAndExportsAScene)
   ASSERT_TRUE(open(saved.toStdString())) << this->Window->Complaint().toStdString();
   EXPECT_EQ(this->Find<QDoubleSpinBox>("sourceX")->value(), 50);
   EXPECT_EQ(this->Find<QDoubleSpinBox>("energy")->value(), 80);
+}
+
+TEST_F(Desktop, ChoosesTheXRaysOfAScene)
+{
+  SurfaceMesh box;
+  shapes::AddBox(box, { -10, -10, -10 }, { 10, 10, 10 }, 1);
+  WriteMesh(ToPolyData(box, {}), this->Folder.File("box.stl"));
+  const QString scene = QString::fromStdString(this->Folder.Write("scene.json", R"({
+    "source": { "position": [0, -500, 0] },
+    "detector": { "origin": [-31, 100, 31], "column-direction": [1, 0, 0],
+      "row-direction": [0, 0, -1], "columns": 64, "rows": 64, "pixel-spacing": 1 },
+    "beam": { "kev": 60 },
+    "samples": [ { "file": "box.stl", "unit": "mm", "material": "Al" } ] })"));
+  this->Window->OpenPaths({ scene });
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  auto* xrays = this->Find<QComboBox>("xrays");
+  auto* energy = this->Find<QDoubleSpinBox>("energy");
+  auto* filters = this->Find<QLineEdit>("filters");
+  const auto choose = [xrays](const char* kind)
+  {
+    xrays->setCurrentIndex(xrays->findData(kind));
+    Q_EMIT xrays->activated(xrays->currentIndex());
+  };
+  EXPECT_EQ(xrays->currentData().toString(), "kev");
+  choose("W");
+  energy->setValue(120.5);
+  const auto type = [filters](const char* text)
+  {
+    filters->setFocus();
+    filters->clear();
+    QTest::keyClicks(filters, text);
+    QTest::keyClick(filters, Qt::Key_Return);
+  };
+  type("Al:2, Cu:0.1");
+  EXPECT_EQ(this->Window->Complaint().toStdString(), "");
+  // What a pixel sees is what the tube, computed apart, leaves behind 20 mm of aluminium.
+  auto* picture = this->Window->Scenes().findChild<ViewWidget*>("xray");
+  QTest::mouseClick(picture, Qt::LeftButton, {}, picture->rect().center());
+  const Spectrum tube = TubeSpectrum({ "W", 120.5, { { "Al", 2 }, { "Cu", 0.1 } } });
+  AttenuationTable aluminium;
+  ASSERT_TRUE(FindComposition("Al", aluminium));
+  const Beam beam(tube, DetectorResponse::EnergyIntegrating, { nullptr, &aluminium }, { 0, 0 });
+  const double lengths[] = { 0, 20 };
+  const std::string seen = this->Find<QLabel>("seen")->text().toStdString();
+  const std::size_t at = seen.find("transmission ");
+  ASSERT_NE(at, std::string::npos) << seen;
+  // Rays through the middle are up to a tenth of a degree oblique.
+  EXPECT_NEAR(std::stod(seen.substr(at + 13)), beam.Transmission(lengths), 1e-3);
+
+  QTest::keyClick(this->Window.get(), Qt::Key_R);
+  const QPoint middle = picture->rect().center();
+  QTest::mousePress(picture, Qt::LeftButton, {}, middle);
+  QTest::mouseMove(picture, middle + QPoint(40, 0));
+  QTest::mouseRelease(picture, Qt::LeftButton, {}, middle + QPoint(40, 0));
+  EXPECT_TRUE(this->Find<QWidget>("profile")->isVisible());
+  this->Keep("xrays");
+
+  const QString saved = QString::fromStdString(this->Folder.File("tube.json"));
+  this->Window->Scenes().SaveScene(saved);
+  type("Al:two");
+  EXPECT_THAT(this->Window->Complaint().toStdString(), testing::HasSubstr("Al:two"));
+  choose("Mo");
+  EXPECT_EQ(energy->value(), 42);
+  this->Window->OpenPaths({ saved });
+  ASSERT_TRUE(this->Await([this] { return !this->Window->IsBusy(); }));
+  EXPECT_EQ(this->Window->Complaint().toStdString(), "");
+  EXPECT_EQ(xrays->currentData().toString(), "W");
+  EXPECT_EQ(energy->value(), 120.5);
+  EXPECT_EQ(filters->text().toStdString(), "Al:2 Cu:0.1");
 }
 
 TEST_F(Desktop, ShowsTheStepsOfASearch)

@@ -62,24 +62,30 @@ LiveProjection::LiveProjection(const Scene& viewed, const ProjectorOptions& opti
   this->Current.Field = {};
   this->Current.Scatter = {};
   this->Current.Refraction.reset();
-  const Spectrum& spectrum = viewed.XRays;
+  this->SetSpectrum(viewed.XRays);
+  this->Project(1); // refuses a detector or a source that is none
+}
+
+void LiveProjection::SetSpectrum(const Spectrum& spectrum)
+{
   spectrum.Validate();
+  this->Given = this->Current.XRays = spectrum;
   this->SingleEnergy = spectrum.EnergiesKeV.size() == 1;
   if (this->SingleEnergy)
   {
     const double energy = spectrum.EnergiesKeV.front();
     this->Range = { std::min(std::max(0.5 * energy, LeastEnergyKeV), energy),
       std::max(std::min(2 * energy, MostEnergyKeV), energy) };
-    this->SetEnergy(energy);
+    this->EnergyNow = energy;
   }
   else
   {
     const double voltage = KilovoltageOf(spectrum);
     this->Range = { std::max(voltage - TubeRange, spectrum.EnergiesKeV.front() + 2),
       voltage + TubeRange };
-    this->SetEnergy(voltage);
+    this->EnergyNow = voltage;
   }
-  this->Project(1); // refuses a detector or a source that is none
+  this->IsStale = true;
 }
 
 void LiveProjection::SetTurn(double degrees)
@@ -117,10 +123,9 @@ void LiveProjection::SetEnergy(double energy)
   {
     return;
   }
-  const Spectrum& given = this->Viewed.XRays;
   this->Current.XRays = this->SingleEnergy ? Spectrum::Monochromatic(energy)
-    : energy == KilovoltageOf(given)       ? given
-                                           : AtKilovoltage(given, energy);
+    : energy == KilovoltageOf(this->Given) ? this->Given
+                                           : AtKilovoltage(this->Given, energy);
   this->EnergyNow = energy;
   this->IsStale = true;
 }

@@ -30,6 +30,8 @@ public:
   const Vector3& SourceOffset() const { return this->Offset; }
   /// How far the source goes for the shadow of the samples' middle to go 1, at most 20.
   double SourceGain() const;
+  /// Other X-rays than the scene's, at their own energy. Throws InputError.
+  void SetSpectrum(const Spectrum& spectrum);
   /// keV of a single energy, kV of a tube; kept in EnergyRange.
   void SetEnergy(double energy);
   double Energy() const { return this->EnergyNow; }
@@ -57,6 +59,8 @@ private:
   std::shared_ptr<const SurfaceMesh> Samples;
   AxisLine TurnAxis;
   Exposer Device;
+  /// At its own voltage.
+  Spectrum Given;
   /// What is exposed now.
   Scene Current;
   double TurnDeg = 0;

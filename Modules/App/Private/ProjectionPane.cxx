@@ -83,7 +83,42 @@ bool ProjectionPane::PixelAt(int x, int y, double& column, double& row) const
   const Vector3 at = this->Over.WorldAt(x, y);
   column = at[0] / this->ColumnMm;
   row = -at[1] / this->RowMm;
+  return this->IsOnPicture(column, row);
+}
+
+bool ProjectionPane::IsOnPicture(double column, double row) const
+{
   return column >= -0.5 && row >= -0.5 && column <= this->Grid.Columns - 0.5 &&
     row <= this->Grid.Rows - 0.5;
+}
+
+ProjectionPane::Profile ProjectionPane::AlongRuler() const
+{
+  Profile profile;
+  const auto& ends = this->Over.RulerEnds();
+  if (!ends)
+  {
+    return profile;
+  }
+  const Vector3 whole = (*ends)[1] - (*ends)[0];
+  const double step = std::min(this->ColumnMm, this->RowMm);
+  const int count = static_cast<int>(Norm(whole) / step) + 1;
+  // A coarser picture has fewer pixels for the same detector.
+  const auto index = [](double at, int all, int shown)
+  { return std::clamp(static_cast<int>((at + 0.5) * shown / all), 0, shown - 1); };
+  for (int point = 0; point < count; ++point)
+  {
+    const Vector3 at = (*ends)[0] + (point / std::max(count - 1.0, 1.0)) * whole;
+    const double column = at[0] / this->ColumnMm;
+    const double row = -at[1] / this->RowMm;
+    if (this->IsOnPicture(column, row))
+    {
+      profile.Mm.push_back(Norm(at - (*ends)[0]));
+      const int pixel = index(row, this->Grid.Rows, this->Rows) * this->Columns +
+        index(column, this->Grid.Columns, this->Columns);
+      profile.LogAttenuation.push_back(this->Values[static_cast<std::size_t>(pixel)]);
+    }
+  }
+  return profile;
 }
 }

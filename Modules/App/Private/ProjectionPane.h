@@ -32,9 +32,17 @@ public:
   void SetMark(const std::optional<std::array<double, 2>>& pixel);
   /// Continuous column and row at a place of the window, pixels; false beside the picture.
   bool PixelAt(int x, int y, double& column, double& row) const;
+  /// Of the nearest pixels along the overlay's ruler, as far as it lies on the picture.
+  struct Profile
+  {
+    std::vector<double> Mm;
+    std::vector<double> LogAttenuation;
+  };
+  Profile AlongRuler() const;
 
 private:
   void Compose() override;
+  bool IsOnPicture(double column, double row) const;
 
   XRayDetector Grid;
   double ColumnMm;

@@ -10,14 +10,17 @@
 
 #include "vtkImageData.h"
 
+#include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QFileInfo>
 #include <QFormLayout>
 #include <QGroupBox>
 #include <QHeaderView>
 #include <QLabel>
+#include <QLineEdit>
 #include <QProgressBar>
 #include <QPushButton>
+#include <QRegularExpression>
 #include <QSlider>
 #include <QSplitter>
 #include <QTableWidget>
@@ -33,6 +36,22 @@ namespace
 constexpr int SceneRestMs = 250;
 /// The most that a source is moved, mm.
 constexpr double MostOffsetMm = 1e5;
+
+/// What the X-rays of a scene are, as the control's data.
+constexpr const char* OneEnergy = "kev";
+constexpr const char* AsGiven = "given";
+
+std::string TextOf(double value)
+{
+  return QString::number(value, 'g', 12).toStdString();
+}
+
+/// Takes a key, and those within it, from what was given.
+void Forget(SceneDescription& description, const std::string& key)
+{
+  std::erase_if(description.Keys,
+    [&key](const std::string& given) { return given == key || given.starts_with(key + "."); });
+}
 }
 
 ScenePage::Scenery::Scenery(const QString& path, const ProjectorOptions& projector)
@@ -99,9 +118,29 @@ QDoubleSpinBox* ScenePage::AddNumber(QFormLayout* form, const QString& label, co
   box->setRange(-MostOffsetMm, MostOffsetMm);
   box->setKeyboardTracking(false);
   form->addRow(label, box);
-  connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
-    [this] { this->ReadControls(); });
   return box;
+}
+
+void ScenePage::AddBeam(QFormLayout* form)
+{
+  this->XRays = new QComboBox;
+  this->XRays->setObjectName("xrays");
+  form->addRow(tr("X-&rays"), this->XRays);
+  connect(this->XRays, QOverload<int>::of(&QComboBox::activated), this,
+    [this] { this->ReadBeam(); });
+  this->Energy = this->AddNumber(form, tr("&Energy"), "energy", tr(" kV"));
+  this->Energy->setSingleStep(0.5);
+  connect(this->Energy, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+    [this] { this->ReadBeam(); });
+  this->EnergyLabel = qobject_cast<QLabel*>(form->labelForField(this->Energy));
+  this->Filters = new QLineEdit;
+  this->Filters->setObjectName("filters");
+  this->Filters->setPlaceholderText("Al:2 Cu:0.1");
+  this->Filters->setToolTip(tr("Layers in the beam: material and millimetres"));
+  form->addRow(tr("&Filters"), this->Filters);
+  connect(this->Filters, &QLineEdit::editingFinished, this, [this] { this->ReadBeam(); });
+  this->SpectrumPlot = new Plot("spectrum");
+  form->addRow(this->SpectrumPlot);
 }
 
 QWidget* ScenePage::MakeSide()
@@ -122,21 +161,22 @@ QWidget* ScenePage::MakeSide()
   this->Turn->setRange(0, 360);
   connect(this->Turn, &QSlider::valueChanged, this, [this] { this->ReadControls(); });
   form->addRow(tr("&Turn"), this->Turn);
-  this->Energy = this->AddNumber(form, tr("&Energy"), "energy", tr(" kV"));
-  this->Energy->setSingleStep(0.5);
-  this->EnergyLabel = qobject_cast<QLabel*>(form->labelForField(this->Energy));
   const std::array<QString, 3> names{ tr("Source &x"), tr("Source &y"), tr("Source &z") };
   const char* const objects[] = { "sourceX", "sourceY", "sourceZ" };
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     this->Source[axis] = this->AddNumber(form, names[axis], objects[axis], tr(" mm"));
     this->Source[axis]->setSingleStep(5);
+    connect(this->Source[axis], QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+      [this] { this->ReadControls(); });
   }
-  this->SpectrumPlot = new Plot("spectrum");
-  form->addRow(this->SpectrumPlot);
+  this->AddBeam(form);
   side->addWidget(group);
   this->Histogram = new Plot("histogram");
   side->addWidget(this->Histogram);
+  this->Profile = new Plot("profile");
+  this->Profile->hide();
+  side->addWidget(this->Profile);
   this->Seen =
     new QLabel(tr("Click in the picture to see what a pixel sees. Drag the yellow ball to move "
                   "the source."));
@@ -211,14 +251,11 @@ void ScenePage::Attach(std::shared_ptr<Scenery> scenery)
   };
   this->SetupView->Show({ opened->Samples->Renderer() });
   this->PictureView->Show({ opened->Pane->Renderer() }, &opened->Pane->Overlay());
-  const QSignalBlocker quiet(this->Energy);
+  this->PictureView->Ruled = [this] { this->PlotProfile(); };
   const QSignalBlocker still(this->Turn);
   this->Turn->setValue(0);
-  const bool single = opened->Live->IsSingleEnergy();
-  this->EnergyLabel->setText(single ? tr("Photon &energy") : tr("Tube &voltage"));
-  this->Energy->setSuffix(single ? tr(" keV") : tr(" kV"));
-  this->Energy->setRange(opened->Live->EnergyRange()[0], opened->Live->EnergyRange()[1]);
-  this->Energy->setValue(opened->Live->Energy());
+  this->Profile->hide();
+  this->TellBeam();
   this->TellSource();
   this->PlotSpectrum();
   this->PlotHistogram();
@@ -284,6 +321,139 @@ void ScenePage::TellSource()
   }
 }
 
+/// The scene's X-rays in the controls.
+void ScenePage::TellBeam()
+{
+  SceneDescription description = this->Opened->Description;
+  CompleteUnit(description);
+  const QString anode = QString::fromStdString(description.Tube.Anode);
+  const bool single = description.EnergyKeV.has_value();
+  this->XRays->clear();
+  this->XRays->addItem(tr("of one energy"), OneEnergy);
+  for (const auto& [symbol, metal] :
+    { std::pair{ "W", tr("tungsten") }, { "Mo", tr("molybdenum") }, { "Rh", tr("rhodium") } })
+  {
+    this->XRays->addItem(tr("%1 tube").arg(metal), symbol);
+  }
+  if (!single && anode.isEmpty())
+  {
+    this->XRays->addItem(tr("spectrum of the scene"), AsGiven);
+  }
+  this->XRays->setCurrentIndex(this->XRays->findData(single ? OneEnergy
+      : anode.isEmpty()                                     ? AsGiven
+                                                            : anode));
+  QStringList filters;
+  for (const std::string& filter : description.Filters)
+  {
+    filters << QString::fromStdString(filter);
+  }
+  this->Filters->setText(filters.join(' '));
+  this->LimitEnergy();
+  const QSignalBlocker quiet(this->Energy);
+  this->Energy->setValue(
+    anode.isEmpty() ? this->Opened->Live->Energy() : description.Tube.KilovoltagePeak);
+}
+
+/// Names the energy, and keeps it in the range, of the X-rays that are chosen.
+void ScenePage::LimitEnergy()
+{
+  constexpr double LeastVoltage = 18;
+  constexpr double MostVoltage = 42;
+  constexpr double MostOfTungsten = 450;
+  const QString kind = this->XRays->currentData().toString();
+  const bool single = kind == OneEnergy;
+  const QSignalBlocker quiet(this->Energy);
+  this->EnergyLabel->setText(single ? tr("Photon &energy") : tr("Tube &voltage"));
+  this->Energy->setSuffix(single ? tr(" keV") : tr(" kV"));
+  if (single || kind == AsGiven)
+  {
+    const std::array<double, 2>& range = this->Opened->Live->EnergyRange();
+    this->Energy->setRange(range[0], range[1]);
+  }
+  else
+  {
+    this->Energy->setRange(LeastVoltage, kind == "W" ? MostOfTungsten : MostVoltage);
+  }
+}
+
+/// The scene with the X-rays that the controls ask for. Throws InputError.
+SceneDescription ScenePage::AskedBeam() const
+{
+  SceneDescription asked = this->Opened->Description;
+  const std::string kind = this->XRays->currentData().toString().toStdString();
+  const std::string energy = TextOf(this->Energy->value());
+  if (kind != AsGiven)
+  {
+    for (const char* key :
+      { "beam.kev", "beam.energies", "beam.photons", "beam.spectrum", "beam.tube", "beam.kvp" })
+    {
+      Forget(asked, key);
+    }
+    asked.EnergyKeV.reset();
+    asked.EnergiesKeV.clear();
+    asked.Photons.clear();
+    asked.Tube.Anode.clear();
+  }
+  if (kind == OneEnergy)
+  {
+    SetQuantity({ "beam", "beam.kev", { energy } }, asked);
+  }
+  else if (kind != AsGiven)
+  {
+    SetQuantity({ "beam", "beam.tube", { kind } }, asked);
+    SetQuantity({ "beam", "beam.kvp", { energy } }, asked);
+  }
+  if (asked.Tube.Anode != "W" && asked.Tube.TargetAngleDeg != 0)
+  {
+    Forget(asked, "beam.target-angle");
+    asked.Tube.TargetAngleDeg = 0;
+  }
+  Forget(asked, "beam.filter");
+  asked.Filters.clear();
+  std::vector<std::string> filters;
+  for (const QString& filter :
+    this->Filters->text().split(QRegularExpression("[\\s,;]+"), Qt::SkipEmptyParts))
+  {
+    filters.push_back(filter.toStdString());
+  }
+  if (!filters.empty())
+  {
+    SetQuantity({ "filters", "beam.filter", filters }, asked);
+  }
+  CompleteUnit(asked);
+  return asked;
+}
+
+void ScenePage::ReadBeam()
+{
+  if (!this->Opened)
+  {
+    return;
+  }
+  LiveProjection& live = *this->Opened->Live;
+  this->LimitEnergy();
+  try
+  {
+    const SceneDescription asked = this->AskedBeam();
+    live.SetSpectrum(FindSpectrum(asked));
+    if (this->XRays->currentData() == AsGiven)
+    {
+      live.SetEnergy(this->Energy->value());
+    }
+    this->Opened->Description = asked;
+    this->Opened->Whole.Field.Heel.Target =
+      asked.Tube.Anode.empty() ? this->Opened->Whole.Field.Heel.Target : asked.Tube.Anode;
+  }
+  catch (const Error& error)
+  {
+    this->Complain(error.what());
+    return;
+  }
+  this->LimitEnergy();
+  this->PlotSpectrum();
+  this->Moved();
+}
+
 void ScenePage::PlotSpectrum()
 {
   const Spectrum& spectrum = this->Opened->Live->XRays();
@@ -315,6 +485,14 @@ void ScenePage::PlotHistogram()
     tr("pixels by log attenuation"));
 }
 
+/// Of the log attenuation along the ruler.
+void ScenePage::PlotProfile()
+{
+  const ProjectionPane::Profile profile = this->Opened->Pane->AlongRuler();
+  this->Profile->setVisible(!profile.Mm.empty());
+  this->Profile->SetCurve(profile.Mm, profile.LogAttenuation, tr("log attenuation, mm"));
+}
+
 void ScenePage::ReadControls()
 {
   if (!this->Opened)
@@ -323,7 +501,6 @@ void ScenePage::ReadControls()
   }
   LiveProjection& live = *this->Opened->Live;
   live.SetTurn(this->Turn->value());
-  live.SetEnergy(this->Energy->value());
   const XRaySource& first = this->Opened->Whole.Source;
   if (first.Type != XRaySource::Kind::Parallel)
   {
@@ -331,7 +508,6 @@ void ScenePage::ReadControls()
       this->Source[2]->value() };
     live.SetSourceOffset(asked - first.Position);
   }
-  this->PlotSpectrum();
   this->Moved();
 }
 
@@ -355,6 +531,7 @@ void ScenePage::Draw(int divisor)
   {
     this->PlotHistogram();
   }
+  this->PlotProfile();
   if (this->Marked && divisor == 1)
   {
     this->Seen->setText(
@@ -422,30 +599,15 @@ void ScenePage::SaveScene(const QString& path)
   {
     const LiveProjection& live = *this->Opened->Live;
     SceneDescription description = this->Opened->Description;
-    const auto set = [&description](const char* key, const std::vector<double>& values)
-    {
-      std::vector<std::string> texts;
-      texts.reserve(values.size());
-      for (const double value : values)
-      {
-        texts.push_back(QString::number(value, 'g', 12).toStdString());
-      }
-      SetQuantity({ key, key, texts }, description);
-    };
     const XRaySource& source = live.Source();
     if (source.Type != XRaySource::Kind::Parallel && description.HasSource())
     {
-      set("source.position", { source.Position[0], source.Position[1], source.Position[2] });
+      const Vector3& at = source.Position;
+      SetQuantity({ "source", "source.position", { TextOf(at[0]), TextOf(at[1]), TextOf(at[2]) } },
+        description);
     }
-    if (live.IsSingleEnergy())
-    {
-      set("beam.kev", { live.Energy() });
-    }
-    else if (!description.Tube.Anode.empty())
-    {
-      set("beam.kvp", { live.Energy() });
-    }
-    else if (live.Energy() != KilovoltageOf(this->Opened->Whole.XRays))
+    if (this->XRays->currentData() == AsGiven &&
+      live.Energy() != KilovoltageOf(FindSpectrum(description)))
     {
       throw InputError("beam: expected a tube or a single energy for another voltage, found a "
                        "spectrum from a table");

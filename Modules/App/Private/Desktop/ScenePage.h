@@ -19,9 +19,11 @@
 #include <memory>
 #include <optional>
 
+class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
 class QLabel;
+class QLineEdit;
 class QProgressBar;
 class QPushButton;
 class QSlider;
@@ -64,15 +66,21 @@ private:
     std::unique_ptr<SampleScene> Samples;
   };
   QWidget* MakeSide();
+  void AddBeam(QFormLayout* form);
   QDoubleSpinBox* AddNumber(QFormLayout* form, const QString& label, const char* name,
     const QString& suffix);
   void Attach(std::shared_ptr<Scenery> scenery);
   void Detach();
   void ListParts();
+  SceneDescription AskedBeam() const;
+  void ReadBeam();
+  void TellBeam();
+  void LimitEnergy();
   void ReadControls();
   void TellSource();
   void PlotSpectrum();
   void PlotHistogram();
+  void PlotProfile();
   void Moved();
   void Draw(int divisor);
   Scene Current() const;
@@ -85,11 +93,14 @@ private:
   QLabel* Head = nullptr;
   QTableWidget* Parts = nullptr;
   QSlider* Turn = nullptr;
+  QComboBox* XRays = nullptr;
   QDoubleSpinBox* Energy = nullptr;
+  QLineEdit* Filters = nullptr;
   std::array<QDoubleSpinBox*, 3> Source{};
   QLabel* EnergyLabel = nullptr;
   Plot* SpectrumPlot = nullptr;
   Plot* Histogram = nullptr;
+  Plot* Profile = nullptr;
   QLabel* Seen = nullptr;
   QProgressBar* Progress = nullptr;
   QPushButton* Cancel = nullptr;

@@ -75,6 +75,7 @@ void ViewWidget::Clear()
   this->Clicked = nullptr;
   this->GreyDragged = nullptr;
   this->Scrolled = nullptr;
+  this->Ruled = nullptr;
   this->Grabbed = nullptr;
   this->Dragged = nullptr;
 }
@@ -300,6 +301,10 @@ void ViewWidget::mouseMoveEvent(QMouseEvent* event)
   if (this->Grabs)
   {
     this->Overlay->SetRuler({ { (*this->Overlay->RulerEnds())[0], this->Overlay->WorldAt(x, y) } });
+    if (this->Ruled)
+    {
+      this->Ruled();
+    }
     this->Redraw();
   }
   else if (this->Button == Qt::LeftButton && this->Tool == ViewTool::Grey && this->GreyDragged)

@@ -59,6 +59,8 @@ public:
   /// Window and level by shares of the window.
   std::function<void(double windowFactor, double levelShare)> GreyDragged;
   std::function<void(int steps)> Scrolled;
+  /// The overlay's ruler has other ends.
+  std::function<void()> Ruled;
   std::function<void()> DoubleClicked;
   /// A scene: whether a press there begins a drag of something; then where it goes.
   std::function<bool(int x, int y)> Grabbed;
