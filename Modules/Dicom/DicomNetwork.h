@@ -74,6 +74,10 @@ using StopRequest = std::function<bool()>;
 MAMMORAYDICOM_EXPORT std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths,
   const StoredCallback& refused = {});
 
+/// Asks whether the archive speaks to this program (C-ECHO). Throws InputError on unusable titles,
+/// NetworkError with the reason if it does not.
+MAMMORAYDICOM_EXPORT void VerifyNode(const DicomNode& node);
+
 /**
  * Stores DICOM files in the archive (C-STORE), in order over one association, without changing
  * their values. What it refuses does not stop the others, a lost connection does. Throws InputError

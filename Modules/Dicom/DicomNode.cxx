@@ -209,6 +209,19 @@ OFList<OFString> SyntaxList(std::initializer_list<const char*> syntaxes)
   return list;
 }
 
+void Echo(const DicomNode& node)
+{
+  Association association(node);
+  association.addPresentationContext(UID_VerificationSOPClass,
+    SyntaxList({ UID_LittleEndianImplicitTransferSyntax }));
+  association.Open();
+  if (const OFCondition answered = association.sendECHORequest(0); answered.bad())
+  {
+    throw NetworkError(
+      NameOf(node) + ": expected an answer to C-ECHO, found none (" + ReasonOf(answered) + ")");
+  }
+}
+
 /// Kinds of objects that a registration can use, or that tell of one.
 constexpr const char* FetchedClasses[] = { UID_MRImageStorage, UID_EnhancedMRImageStorage,
   UID_DigitalMammographyXRayImageStorageForPresentation,
@@ -591,6 +604,17 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths,
     throw InputError("archive: expected DICOM files to send, found none");
   }
   return whole;
+}
+
+void VerifyNode(const DicomNode& node)
+{
+  TalkTo(node,
+    [&](const TellCallback&)
+    {
+      Echo(node);
+      return std::vector<ArchivedStudy>();
+    },
+    {});
 }
 
 void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,

@@ -128,7 +128,7 @@ protected:
         { widget->width() * step / 20, widget->height() / 2 });
     }
   }
-  /// A picture of the window, where MAMMORAY_PICTURES names a folder.
+  /// A picture of the window, or of its dialog, where MAMMORAY_PICTURES names a folder.
   void Keep(const QString& name)
   {
     const QString folder = qEnvironmentVariable("MAMMORAY_PICTURES");
@@ -136,7 +136,9 @@ protected:
     {
       constexpr int DrawnMs = 500;
       QTest::qWait(DrawnMs);
-      EXPECT_TRUE(this->Window->grab().save(folder + "/" + name + ".png"));
+      QWidget* dialog = QApplication::activeModalWidget();
+      QWidget* shown = dialog != nullptr ? dialog : this->Window.get();
+      EXPECT_TRUE(shown->grab().save(folder + "/" + name + ".png"));
     }
   }
   std::string Where() { return this->Find<QLabel>("where")->text().toStdString(); }
@@ -512,6 +514,28 @@ TEST_F(Desktop, SaysWhatIsWrongInALine)
   this->Folder.Write("broken/result.json", "{}");
   EXPECT_THAT(complaint(this->Folder.File("broken")), testing::HasSubstr("result.json"));
   EXPECT_FALSE(this->Window->Result().IsOpen());
+}
+
+TEST_F(Desktop, AsksAnArchiveWhetherItAnswers)
+{
+  std::string said;
+  QTimer::singleShot(0,
+    [&]
+    {
+      auto* dialog = QApplication::activeModalWidget();
+      ASSERT_NE(dialog, nullptr);
+      dialog->findChild<QLineEdit*>("archive")->setText("127.0.0.1:1");
+      QTest::mouseClick(dialog->findChild<QPushButton*>("askArchive"), Qt::LeftButton);
+      auto* answer = dialog->findChild<QLabel*>("archiveAnswer");
+      EXPECT_TRUE(this->Await([answer] { return answer->text().contains("127.0.0.1:1"); }));
+      said = answer->text().toStdString();
+      this->Keep("archive");
+      QTest::keyClick(dialog, Qt::Key_Escape);
+    });
+  auto* send = this->Find<QAction>("send");
+  send->setEnabled(true);
+  send->trigger();
+  EXPECT_THAT(said, testing::HasSubstr("found none"));
 }
 
 TEST_F(Desktop, RemembersFoldersAndNoPatient)

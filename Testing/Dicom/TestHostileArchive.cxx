@@ -120,13 +120,17 @@ std::string Nested(bool isExplicit)
   return all;
 }
 
-/// Accepts associations and answers each message that has a data set.
+/// The last fragment of a command, and of a data set (PS3.8 9.3.5.1).
+constexpr int LastOfCommand = 3;
+constexpr int LastOfData = 2;
+
+/// Accepts associations and answers each message's data set, or its command.
 class HostileArchive : public test::LoopbackServer
 {
 public:
-  HostileArchive(const std::string& contexts, const std::string& answer)
-    : LoopbackServer([accepting = Acceptance(contexts), answer](int client)
-        { Serve(client, accepting, answer); })
+  HostileArchive(const std::string& contexts, const std::string& answer, int last = LastOfData)
+    : LoopbackServer([accepting = Acceptance(contexts), answer, last](int client)
+        { Serve(client, accepting, answer, last); })
   {
     this->Node.Host = "127.0.0.1";
     this->Node.Port = this->Port;
@@ -136,16 +140,15 @@ public:
   DicomNode Node;
 
 private:
-  static void Serve(int client, const std::string& accepting, const std::string& answer)
+  static void Serve(int client, const std::string& accepting, const std::string& answer, int last)
   {
     for (std::string unit = Unit(client); !unit.empty(); unit = Unit(client))
     {
       const bool isRequest = unit[0] == 1;
       const bool isRelease = unit[0] == 5;
-      // The last fragment of a data set: neither a command's nor one that another follows.
-      const bool isData = unit[0] == 4 && unit.size() > 11 && unit[11] == 2;
+      const bool isAnswered = unit[0] == 4 && unit.size() > 11 && unit[11] == last;
       const std::string& bytes = isRequest ? accepting : isRelease ? Released : answer;
-      if (isRequest || isData || isRelease)
+      if (isRequest || isAnswered || isRelease)
       {
         send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL);
       }
@@ -218,6 +221,15 @@ TEST_F(HostileArchiveOf, ItsWordsAreUnderstoodAtAll)
       Message(1, true, Command(0x8010, false, 0)));
   EXPECT_EQ(this->Get(gives.Node), test::NotRefused);
   EXPECT_TRUE(std::filesystem::exists(this->Folder.File("got/001/00001.dcm")));
+}
+
+TEST_F(HostileArchiveOf, IsAskedWhetherItAnswers)
+{
+  const std::string answer = Message(1, true, Command(0x8030, false, 0));
+  const HostileArchive willing(Accepted(1, ImplicitVr), answer, LastOfCommand);
+  EXPECT_NO_THROW(VerifyNode(willing.Node));
+  const HostileArchive mute(Accepted(1, ImplicitVr), Message(1, true, "nonsense"), LastOfCommand);
+  EXPECT_THAT(RefusalOf([&] { VerifyNode(mute.Node); }), HasSubstr("expected an answer to C-ECHO"));
 }
 
 /// A presentation context whose class the archive does not take.

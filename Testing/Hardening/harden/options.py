@@ -62,8 +62,8 @@ def try_options(program, makers, draws, count):
                 before = set(os.listdir(program.scratch))
                 answer = program.run(*words, option, *[value] * times, seconds=200)
                 left = set(os.listdir(program.scratch)) - before
-                if base[0] in ("devices", "intake"):
-                    answer.out = ""  # what is there is told, also where something is wanting
+                if base[0] in ("devices", "intake", "send"):
+                    answer.out = ""  # what is there, or was refused, is told one by one
                 good = answer.done() or ((answer.refused() or answer.misused()) and not left)
                 options.add(good, "%s %s %r" % (name, option, value[:40]),
                             answer.told() + ("; left %s" % sorted(left) if left else ""))

@@ -34,6 +34,8 @@
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
+#include <QPointer>
+#include <QPushButton>
 #include <QSettings>
 #include <QSpinBox>
 #include <QStackedWidget>
@@ -79,6 +81,14 @@ QPalette DarkPalette()
     palette.setColor(QPalette::Disabled, role, faint);
   }
   return palette;
+}
+
+DicomNode NodeOf(const std::string& address, const std::string& title)
+{
+  DicomNode node;
+  SetAddress(node, address);
+  node.CalledTitle = title;
+  return node;
 }
 
 bool IsResult(const QString& path)
@@ -598,18 +608,66 @@ void MainWindow::ExportDicom(const QString& folder)
     });
 }
 
+/// A button, and what the archive answers.
+QWidget* MainWindow::NewConnectionTest(const QLineEdit* address, const QLineEdit* title)
+{
+  constexpr int PatienceSeconds = 5;
+  auto* widget = new QWidget;
+  auto* column = new QVBoxLayout(widget);
+  auto* ask = new QPushButton(tr("T&est the connection"));
+  ask->setObjectName("askArchive");
+  ask->setAutoDefault(false);
+  auto* answer = new QLabel;
+  answer->setObjectName("archiveAnswer");
+  answer->setWordWrap(true);
+  answer->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  answer->setMinimumHeight(3 * answer->fontMetrics().height());
+  column->addWidget(ask, 0, Qt::AlignLeft);
+  column->addWidget(answer, 1);
+  // The dialog may be closed before the answer.
+  const auto tell = [ask = QPointer<QPushButton>(ask),
+                      answer = QPointer<QLabel>(answer)](const QString& text, bool done)
+  {
+    if (answer)
+    {
+      ask->setEnabled(done);
+      answer->setText(text);
+    }
+  };
+  connect(ask, &QPushButton::clicked, this,
+    [this, tell, address, title]
+    {
+      tell(tr("asking..."), false);
+      this->Asking.Failed = [tell](const QString& complaint) { tell(complaint, true); };
+      this->Asking.Start(
+        [tell, to = address->text().toStdString(), called = title->text().toStdString()](
+          const ProgressCallback&) -> Task::Outcome
+        {
+          DicomNode node = NodeOf(to, called);
+          node.TimeoutSeconds = PatienceSeconds;
+          VerifyNode(node);
+          return [tell] { tell(tr("The archive answers."), true); };
+        });
+    });
+  return widget;
+}
+
 void MainWindow::AskSend()
 {
   QDialog dialog(this);
   dialog.setWindowTitle(tr("Send DICOM objects"));
+  dialog.setMinimumWidth(480);
   auto* form = new QFormLayout(&dialog);
   auto* folder = new QLineEdit;
+  folder->setObjectName("objects");
   auto* address = new QLineEdit(QSettings().value("archive").toString());
+  address->setObjectName("archive");
   address->setPlaceholderText("pacs.example.org:104");
   auto* called = new QLineEdit(QSettings().value("archiveTitle", "ANY-SCP").toString());
   form->addRow(tr("&Folder of objects"), folder);
   form->addRow(tr("&Archive"), address);
   form->addRow(tr("Its &title"), called);
+  form->addRow(QString(), this->NewConnectionTest(address, called));
   auto* buttons = new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel);
   form->addRow(buttons);
   connect(buttons, &QDialogButtonBox::accepted, &dialog, &QDialog::accept);
@@ -624,9 +682,7 @@ void MainWindow::AskSend()
     [this, from = folder->text().toStdString(), to = address->text().toStdString(),
       title = called->text().toStdString()](const ProgressCallback& progress) -> Task::Outcome
     {
-      DicomNode node;
-      SetAddress(node, to);
-      node.CalledTitle = title;
+      const DicomNode node = NodeOf(to, title);
       const std::vector<std::string> files = FindDicomFiles({ from });
       std::size_t stored = 0;
       const auto told = [&stored](const std::string&, const std::string& refusal)

@@ -12,6 +12,7 @@
 
 class QFrame;
 class QLabel;
+class QLineEdit;
 class QMenu;
 class QStackedWidget;
 
@@ -69,6 +70,7 @@ private:
   void Remember(const QString& path);
   void ListRecent();
   void AskSend();
+  QWidget* NewConnectionTest(const QLineEdit* address, const QLineEdit* title);
   /// Asks for a file or folder, and calls `save` with its path if there is one.
   void AskSave(const QString& title, const QString& filter,
     const std::function<void(const QString&)>& save);
@@ -87,6 +89,7 @@ private:
   QFrame* ErrorBar = nullptr;
   QLabel* ErrorText = nullptr;
   Task Exporting{ this };
+  Task Asking{ this };
 };
 }
 
