@@ -38,6 +38,10 @@ if (TARGET mammoray-app)
   mammoray_package(desktop mammoray-app science "mammoray ${same_version}, hicolor-icon-theme"
     "desktop application for breast MRI, mammograms and X-ray scenes"
     "${about}\n\nThis package has the desktop application, which 'mammoray app' starts.")
+  # The command of its menu entry is in the package mammoray, on which it depends.
+  file(WRITE "${CMAKE_BINARY_DIR}/packaging/mammoray-app" "mammoray-app: desktop-command-not-in-package mammoray *\n")
+  install(FILES "${CMAKE_BINARY_DIR}/packaging/mammoray-app" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
+    COMPONENT desktop)
 endif ()
 # Headers have no programs in them whose libraries could be asked for.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the packages in a bare Debian, which debootstrap makes, and uses them there as an ordinary user: the demo with the
-# package mammoray alone; the manual, the completion, Python, Octave; then, with libmammoray-dev and the compiler that it brings, a C++ program;
-# then the projector alone, and the plugin in ParaView. Needs root, debootstrap and the network; some minutes, 6 GB.
+# package mammoray alone; the manual, the completion, Python, the desktop application, Octave; then, with libmammoray-dev
+# and the compiler that it brings, a C++ program; then the projector alone, and the plugin in ParaView. Needs root,
+# debootstrap and the network; some minutes, 6 GB.
 #
 #   Packaging/try.sh [FOLDER_OF_PACKAGES [ROOT]]     build/packages, and a new folder that is removed at the end
 #   RELEASE=trixie Packaging/try.sh ...              on Debian 13
@@ -55,6 +56,10 @@ install 'python3-mammoray_*.deb'
 cp "$top/Testing/Python/testProject.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
 as_user 'python3 testProject.py && python3 testProjectBox.py'
 
+install 'mammoray-app_*.deb'
+inside apt-get install -y -q --no-install-recommends xauth xvfb
+as_user 'xvfb-run --auto-servernum mammoray app demo-result --screenshot window.png && test -s window.png'
+
 if compgen -G "$packages/octave-mammoray_*.deb" >/dev/null; then
   install 'octave-mammoray_*.deb'
   cp "$top/Testing/Octave/twoPlates.m" "$root/home/user"
@@ -72,7 +77,7 @@ as_user 'c++ -std=c++20 consumer/xray.cxx -o xray $(pkg-config --cflags --libs m
 
 # The second set takes the place of python3-mammoray, and needs neither VTK nor the libraries of the first.
 if compgen -G "$packages/without-copyleft/python3-mammoray-xray_*.deb" >/dev/null; then
-  inside apt-get purge -y -q libmammoray-dev mammoray 'python3-mammoray*' 'octave-mammoray*'
+  inside apt-get purge -y -q libmammoray-dev mammoray mammoray-app 'python3-mammoray*' 'octave-mammoray*'
   inside apt-get autoremove -y -q
   install 'without-copyleft/*.deb'
   as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testProject.py'

@@ -241,8 +241,8 @@ void AddCompressCommand(CLI::App& application)
     "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
     "mesh, mm; the chest wall (fixed materials) does not move, unless the breast may glide along "
     "it.",
-    "compress --mesh breast.vtu --materials victre --orientation ALS --thickness 50 -o "
-    "compressed.vtu",
+    "compress --mesh breast.vtu --materials victre --orientation ALS --thickness 50 "
+    "--anterior 5 -o compressed.vtu",
     Declare, Run);
 }
 }
