@@ -381,6 +381,25 @@ private:
   const SeedPlan& Plan;
   Labeller& Label;
 };
+
+/// Facets no larger than the cells on their sides, whose refinement would divide them anyway: left
+/// to that, CGAL 5.5 crashed with cells of 0.5 mm in facets of 3 mm.
+MeshingOptions WithFacetsOfCells(MeshingOptions options)
+{
+  auto& facets = options.FacetSizeOfMaterialMm;
+  for (const auto& [material, cell] : options.CellSizeOfMaterialMm)
+  {
+    facets.try_emplace(material, options.FacetSizeMm);
+  }
+  for (auto& [material, facet] : facets)
+  {
+    const auto cell = options.CellSizeOfMaterialMm.find(material);
+    facet = std::min(facet,
+      cell == options.CellSizeOfMaterialMm.end() ? options.CellSizeMm : cell->second);
+  }
+  options.FacetSizeMm = std::min(options.FacetSizeMm, options.CellSizeMm);
+  return options;
+}
 }
 
 MeshingOptions MeshingOptions::Anatomy(const std::vector<int>& thinMaterials)
@@ -444,13 +463,14 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
 {
   const auto start = std::chrono::steady_clock::now();
   options.Validate();
+  MeshingOptions sizes = WithFacetsOfCells(options);
   materials.Validate("volume to mesh");
   ReportProgress(progress, 0.0, "finding components");
   MeshingResult result;
   LabelVolume volume = PrepareVolume(materials, 2);
   result.MergedVoxels = MergeTissue(volume, options.SmallestComponentMm3);
   ReportProgress(progress, 0.02, "finding components");
-  const SeedPlan plan = PlanSeeds(volume, options.FacetSizeMm);
+  const SeedPlan plan = PlanSeeds(volume, sizes.FacetSizeMm);
   ReportProgress(progress, 0.05, "smoothing interfaces");
   const LabelField field(volume, options.SmoothingVoxels);
 
@@ -476,7 +496,6 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     result.Components += component.Material != 0;
   }
   ReportProgress(progress, labeller.Begin, labeller.Stage);
-  MeshingOptions sizes = options;
   result.Mesh = Refiner(volume, domain, plan, labeller).Run(sizes, result.TimeLimitReached);
   FinishMesh(materials, sizes, result.Mesh, ShareOf(progress, labeller.End, 0.99));
   ReportProgress(progress, 0.99, "checking");

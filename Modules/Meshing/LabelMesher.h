@@ -22,7 +22,8 @@ struct MAMMORAYMESHING_EXPORT MeshingOptions
   double CellSizeMm = 4.0;
   /// Cell sizes of single materials that differ from CellSizeMm (index -> mm).
   std::map<int, double> CellSizeOfMaterialMm;
-  /// Upper bound of the circumradius of surface Delaunay balls, mm.
+  /// Upper bound of the circumradius of surface Delaunay balls, mm; as the cells' where that is
+  /// smaller.
   double FacetSizeMm = 3.0;
   /// Facet sizes of single materials (index -> mm). The smaller value of the two sides of a facet
   /// applies.

@@ -216,6 +216,21 @@ TEST(LabelMesher, ObliqueAnisotropicAndLeftHandedGrids)
   }
 }
 
+TEST(LabelMesher, FacetsAreNoLargerThanCells)
+{
+  MeshingOptions fine;
+  fine.CellSizeMm = 3;
+  fine.CellSizeOfMaterialMm[2] = 1;
+  fine.FacetSizeMm = 3;
+  fine.FacetSizeOfMaterialMm[2] = 1;
+  fine.OptimisationSeconds = 0;
+  MeshingOptions wide = fine;
+  wide.FacetSizeMm = 8;
+  wide.FacetSizeOfMaterialMm.clear();
+  EXPECT_EQ(MeshMaterials(SphereInSphere(), wide).Mesh.Points,
+    MeshMaterials(SphereInSphere(), fine).Mesh.Points);
+}
+
 TEST(LabelMesher, ThinLayerIsClosedAtCoarseSizes)
 {
   // A skin of 1 mm around a ball, with facets of 4 mm.
