@@ -53,8 +53,8 @@ as_user 'mammoray locate --result demo-result --lesion /usr/share/mammoray/victr
 as_user 'zgrep -q "mammoray.-register" /usr/share/man/man1/mammoray.1.gz'
 as_user 'bash -n /usr/share/bash-completion/completions/mammoray'
 install 'python3-mammoray_*.deb'
-cp "$top/Testing/Python/testProject.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
-as_user 'python3 testProject.py && python3 testProjectBox.py'
+cp "$top/Testing/Python/testScene.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
+as_user 'python3 testScene.py && python3 testProjectBox.py'
 
 install 'mammoray-app_*.deb'
 inside apt-get install -y -q --no-install-recommends xauth xvfb
@@ -80,7 +80,7 @@ if compgen -G "$packages/without-copyleft/python3-mammoray-xray_*.deb" >/dev/nul
   inside apt-get purge -y -q libmammoray-dev mammoray mammoray-app 'python3-mammoray*' 'octave-mammoray*'
   inside apt-get autoremove -y -q
   install 'without-copyleft/*.deb'
-  as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testProject.py'
+  as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testScene.py'
 fi
 # The plugin in Debian's ParaView, whose Python conflicts with that of VTK.
 if compgen -G "$packages/paraview/paraview-mammoray_*.deb" >/dev/null; then
