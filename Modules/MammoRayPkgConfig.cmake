@@ -1,4 +1,5 @@
-# pkg-config: mammoray-xray, whose headers need no VTK, and mammoray, all modules and the VTK that their headers include.
+# pkg-config: mammoray-xray, which takes a header of VTK 9.2 and later for its export macros but none of VTK's libraries, and
+# mammoray, all modules and the VTK that their headers include (vtksys: their static objects, since VTK 9.3).
 set(MAMMORAY_PC_LIBRARIES)
 foreach (module IN LISTS MAMMORAY_MODULES)
   string(PREPEND MAMMORAY_PC_LIBRARIES "-lmammoray${module} ")
@@ -7,7 +8,7 @@ get_target_property(MAMMORAY_PC_VTK_INCLUDE VTK::CommonCore INTERFACE_INCLUDE_DI
 list(TRANSFORM MAMMORAY_PC_VTK_INCLUDE PREPEND "-I")
 list(JOIN MAMMORAY_PC_VTK_INCLUDE " " MAMMORAY_PC_VTK_INCLUDE)
 set(MAMMORAY_PC_VTK_LIBRARIES)
-foreach (module IN ITEMS CommonExecutionModel CommonDataModel CommonCore)
+foreach (module IN ITEMS CommonExecutionModel CommonDataModel CommonCore sys)
   string(APPEND MAMMORAY_PC_VTK_LIBRARIES "-lvtk${module}-${VTK_MAJOR_VERSION}.${VTK_MINOR_VERSION} ")
 endforeach ()
 # Found from where the file itself lies, so that an installation can be moved.

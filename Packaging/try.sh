@@ -37,7 +37,9 @@ inside apt-get update -q
 if [ "$release" = bookworm ]; then
   echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
   inside apt-get update -q
-  inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
+  # Again it would mix Mesa's libraries of both.
+  inside dpkg -s mesa-vulkan-drivers >/dev/null 2>&1 ||
+    inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
 else
   inside apt-get install -y -q --no-install-recommends mesa-vulkan-drivers
 fi

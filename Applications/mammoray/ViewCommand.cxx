@@ -82,7 +82,7 @@ PictureOptions ToPictureOptions(const ViewArguments& arguments)
 {
   PictureOptions options = arguments.Picture;
   options.Projector = Program().Projector;
-  options.Stop = InterruptRequested;
+  options.Progress = MakeProgressBar();
   options.SourceOffset = arguments.Source.value_or(options.SourceOffset);
   options.Width = arguments.Size[0];
   options.Height = arguments.Size[1];

@@ -153,7 +153,7 @@ std::string SourceText(const Vector3& offset)
 }
 
 /// Brings the breast between the plates where it is not; returns what came of it.
-std::string Settle(OpenedMammogram& mammogram, const std::function<bool()>& stop)
+std::string Settle(OpenedMammogram& mammogram, const ProgressCallback& progress)
 {
   if (!mammogram.Viewed.PoseDiffers)
   {
@@ -163,16 +163,14 @@ std::string Settle(OpenedMammogram& mammogram, const std::function<bool()>& stop
   std::optional<CompressedAnatomy> answer;
   while (!(answer = mammogram.TakeEquilibrium()))
   {
-    if (stop && stop())
-    {
-      throw Interrupted();
-    }
+    ReportProgress(progress, 0, ("compress: " + mammogram.Worker.Stage()).c_str());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   if (!answer->Error.empty())
   {
     throw Error(answer->Error);
   }
+  ReportProgress(progress, 1, "compress");
   char text[100];
   std::snprintf(text, sizeof text, "%s%.1f mm, %.1f N, compressed in %.1f s",
     mammogram.Prefix().c_str(), answer->Pose.ThicknessMm, answer->PaddleForceN, answer->Seconds);
@@ -259,7 +257,7 @@ std::string WriteBreastPicture(std::vector<ViewedBreast> viewed, const PictureOp
   std::vector<std::string> warnings;
   for (const auto& mammogram : opened.Mammograms)
   {
-    const std::string line = Settle(*mammogram, options.Stop);
+    const std::string line = Settle(*mammogram, options.Progress);
     settled += (settled.empty() || line.empty() ? "" : "\n") + line;
     mammogram->Live.SetSourceOffset(options.SourceOffset);
     if (options.Energy)

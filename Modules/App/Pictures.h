@@ -4,12 +4,12 @@
 #define mammoray_Pictures_h
 
 #include "mammoray/App/ViewedBreast.h"
+#include "mammoray/Foundation/Progress.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammoray/XRay/Scene.h"
 #include "mammorayAppModule.h"
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,8 +33,8 @@ struct PictureOptions
   /// and row) of the first mammogram or of the scene's picture.
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;
-  /// Asked while an equilibrium is solved for; true ends it by Interrupted.
-  std::function<bool()> Stop;
+  /// Told of while an equilibrium is solved for, by 0: how long it takes is not known.
+  ProgressCallback Progress;
 };
 
 /**

@@ -142,7 +142,7 @@ TEST_F(Pictures, SolveForThePoseThatIsAskedFor)
   this->Draw();
   EXPECT_THAT(this->Found, testing::StartsWith("70.0 mm, "));
   EXPECT_THAT(this->Found, testing::HasSubstr(" N, compressed in "));
-  this->Options.Stop = [] { return true; };
+  this->Options.Progress = [](double, const char*) { return false; };
   EXPECT_THROW(this->Draw(), Interrupted);
 }
 

@@ -86,7 +86,7 @@ protected:
     this->Result = Shared().string() + "/result";
     if (fs::create_directories(Shared()))
     {
-      ASSERT_EQ(this->Run(Search + "--iterations 6 --output " + this->Result), 0) << this->Errors;
+      ASSERT_EQ(this->Run(Search + "--output " + this->Result), 0) << this->Errors;
       EXPECT_THAT(this->Output, testing::EndsWith("\nThe two mammograms match\n"));
     }
     this->Said = nlohmann::json::parse(ReadFile(this->Result + "/result.json"));
@@ -138,6 +138,10 @@ TEST_F(RegisteredPhantom, IsWhatItHasBeen)
   // By rasterisation on Mesa's software device. Ray tracing there ends up to 0.11 mm and 0.08
   // degrees away after these few iterations, one thread or another processor's kernels of OpenBLAS
   // nowhere else. What drifts farther is a change of the method.
+  if (this->Said.at("versions").at("Mechanics") != "1200 quadratic tetrahedra")
+  {
+    GTEST_SKIP() << "CGAL 5.5 makes the mesh of these values, another CGAL another one";
+  }
   const double drift = 0.2; // mm, degrees
   const std::map<std::string, double> golden{ { "thickness", 51.14 }, { "roll", -0.77 },
     { "pitch", 1.56 }, { "yaw", 5.38 }, { "lateral", 1.40 }, { "anterior", 9.37 },

@@ -21,6 +21,7 @@
 
 using namespace mammoray;
 using namespace mammoray::test;
+using testing::AnyOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -133,7 +134,9 @@ TEST(DicomHeader, AHoleOfGigabytesIsNoHeader)
   const std::string path =
     folder.Write("hole", whole.substr(0, whole.size() - 24 - 12)); // without its pixels
   std::filesystem::resize_file(path, std::uintmax_t{ 1 } << 33);
-  EXPECT_THAT(RefusalOfHeader(path), HasSubstr("a header of more than 8 MiB"));
+  // DCMTK 3.6.9 sees itself that elements of zeros are none.
+  EXPECT_THAT(RefusalOfHeader(path),
+    AnyOf(HasSubstr("a header of more than 8 MiB"), HasSubstr("damaged")));
 }
 
 // DCMTK reads a sequence in a sequence by recursion.

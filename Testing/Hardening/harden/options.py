@@ -60,7 +60,7 @@ def try_options(program, makers, draws, count):
                 output = program.path("option-%d-%s" % (number, name))
                 words = [output if word == "{}" else word for word in without(base, option)]
                 before = set(os.listdir(program.scratch))
-                answer = program.run(*words, option, *[value] * times, seconds=200)
+                answer = program.run(*words, option, *[value] * times, seconds=600)
                 left = set(os.listdir(program.scratch)) - before
                 if base[0] in ("devices", "intake", "send"):
                     answer.out = ""  # what is there, or was refused, is told one by one
