@@ -56,7 +56,8 @@ void Declare(const OptionList& add, DicomArguments& arguments)
     "that of --result)");
 }
 
-void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
+/// Returns what it wrote.
+std::string WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
   const std::string& path)
 {
   const Mammogram& searched = result.Mammogram;
@@ -81,9 +82,10 @@ void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
     writing.Identity = writing.Imitated->Identity;
   }
   WriteMammogram(synthetic, writing, path);
-  std::printf("%s %s: %d x %d pixels, %c %s, %.1f mm thick\n",
-    path == arguments.Output ? "wrote" : "made", arguments.Output.c_str(), synthetic.Columns,
+  char text[80];
+  std::snprintf(text, sizeof text, "%d x %d pixels, %c %s, %.1f mm thick", synthetic.Columns,
     synthetic.Rows, synthetic.Laterality, synthetic.View.c_str(), *synthetic.BodyPartThicknessMm);
+  return text;
 }
 
 /// All of them lie in the mammogram's study, or could not refer to it.
@@ -102,13 +104,14 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
   objects.Mri = arguments.Mri;
   objects.MriSeries = arguments.Series;
   const RegisteredBreast breast(ReadBreastInUnit(result));
+  std::string synthetic;
   WriteAtomicFolder(arguments.Output,
     [&](const std::string& folder)
     {
-      WriteSynthetic(arguments, result, folder + "/synthetic.dcm");
+      synthetic = WriteSynthetic(arguments, result, folder + "/synthetic.dcm");
       WriteResultObjects(result, breast, objects, Program().Projector, folder, MakeProgressBar());
     });
-  std::printf("wrote %s\n", arguments.Output.c_str());
+  std::printf("wrote %s: %s\n", arguments.Output.c_str(), synthetic.c_str());
 }
 
 void Run(DicomArguments& arguments)
@@ -135,13 +138,20 @@ void Run(DicomArguments& arguments)
   const ResultFile result = ReadResultFile(arguments.Result);
   if (alone)
   {
-    WriteSynthetic(arguments, result, arguments.Output);
+    const std::string synthetic = WriteSynthetic(arguments, result, arguments.Output);
+    std::printf("wrote %s: %s\n", arguments.Output.c_str(), synthetic.c_str());
   }
   else
   {
     if (arguments.Output.empty())
     {
       arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
+    }
+    if (std::filesystem::exists(arguments.Output) && !std::filesystem::is_empty(arguments.Output))
+    {
+      throw InputError("output " + arguments.Output +
+        ": expected a new or an empty folder, found one with files, which --overwrite does not "
+        "replace either; remove it, or name another one");
     }
     ReserveEmptyFolder(arguments.Output);
     WriteFolder(arguments, result);

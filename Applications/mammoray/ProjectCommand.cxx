@@ -572,7 +572,9 @@ void Run(ProjectArguments& arguments)
   }
   if (!overlap.empty())
   {
-    std::fprintf(stderr, "mammoray: warning: %s; overlap-priority counts them once\n",
+    std::fprintf(stderr,
+      "mammoray: warning: %s; overlap-priority counts parts once, 'mammoray mesh --repair' turns "
+      "the faces of cavities\n",
       overlap.c_str());
   }
 }

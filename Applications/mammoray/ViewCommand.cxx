@@ -144,7 +144,8 @@ std::string DrawSurfaces(const ViewArguments& arguments)
     if (!overlap.empty())
     {
       std::fprintf(stderr,
-        "mammoray: warning: %s; \"overlap-priority\" of a scene counts them once\n",
+        "mammoray: warning: %s; overlap-priority counts parts once, 'mammoray mesh --repair' turns "
+        "the faces of cavities\n",
         overlap.c_str());
     }
   }

@@ -152,18 +152,17 @@ std::string DataDirectory()
     }
     return variable;
   }
+  if (const fs::path installed = InstalledData(); !installed.empty())
+  {
+    return installed.string();
+  }
   if (fs::is_directory(MAMMORAY_SOURCE_DATA "/attenuation"))
   {
     return MAMMORAY_SOURCE_DATA;
   }
-  const fs::path installed = InstalledData();
-  if (installed.empty())
-  {
-    throw InputError(
-      "expected share/mammoray beside the library, found none; the environment variable "
-      "MAMMORAY_DATA can name the folder that holds attenuation/ and spectra/");
-  }
-  return installed.string();
+  throw InputError(
+    "expected share/mammoray beside the library, found none; the environment variable "
+    "MAMMORAY_DATA can name the folder that holds attenuation/ and spectra/");
 }
 
 AttenuationTable FindAttenuationTable(const std::string& name)
@@ -191,7 +190,8 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   std::vector<std::string> known = tables;
   const std::vector<std::string> compounds = CompositionNames(name);
   known.insert(known.end(), compounds.begin(), compounds.end());
-  throw InputError("unknown attenuation '" + name + "'; " +
+  throw InputError((name.empty() ? "expected an attenuation, found none; "
+                                 : "unknown attenuation '" + name + "'; ") +
     (SpellingSuggestions(name, known).empty() ? SpellingHint(name, tables) +
           ", names ('PMMA', 'Water'), formulas ('H2O'), mass fractions ('H:0.112 "
           "O:0.888')"

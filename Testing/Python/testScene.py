@@ -466,6 +466,15 @@ with tempfile.TemporaryDirectory() as folder:
         assert read.points.shape == (8, 3) and read.cells.shape == (12, 3) and read.file == path
         scene.samples = mr.Sample(read, 0.05)
         assert numpy.allclose(scene.expose().path_lengths, image.path_lengths, rtol=0, atol=1e-5)
+    facets["corners"] /= 1000  # the box in metres
+    metres = os.path.join(folder, "metres.stl")
+    with open(metres, "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", 12) + facets.tobytes())
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mr.read_mesh(metres)
+        assert len(caught) == 1 and "metres.stl: 0.08 mm across" in str(caught[0].message), caught
+        assert numpy.allclose(numpy.ptp(mr.read_mesh(metres, unit="m").points, axis=0), (80, 60, 20)) and len(caught) == 1
     with open(binary, "r+b") as file:
         file.truncate(300)
     refused("binary.stl", mr.read_mesh, binary)

@@ -212,7 +212,7 @@ TEST(Composition, UnknownNamesAreRefusedWithNearOnes)
   ExpectRefused("H:0.5 Qq:0.5", "'Qq:0.5'");
   ExpectRefused("H:0.5 O:", "'O:'");
   ExpectRefused("H:0.5 H:0.5", "'H' twice");
-  ExpectRefused("", "unknown attenuation ''");
+  ExpectRefused("", "expected an attenuation, found none");
 }
 
 TEST(Composition, EverydayNamesAreKnown)

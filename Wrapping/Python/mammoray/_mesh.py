@@ -105,6 +105,9 @@ def read_mesh(source: Any, unit: Optional[str] = None) -> Mesh:
         mesh = _read_file(path, mm)
         mesh.file = os.path.abspath(path)
         mesh._unit = unit
+        across = float(numpy.ptp(mesh.points, axis=0).max()) if len(mesh.points) else 0.0
+        if unit is None and 0 < across < 1:
+            warn(f"{path}: {across:.3g} mm across: in metres? unit= names the unit")
         return mesh
     if hasattr(source, "GetClassName"):
         points, cells, regions = _of_vtk(source)
