@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ResultNotes.h"
 
+#include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 
 #include <cstdio>
@@ -27,10 +29,19 @@ void WarnOfDistrust(const std::string& folder, const Assessment& trust)
 
 void NoteOtherMammogram(const ResultFile& result, const std::string& mammogram)
 {
-  if (!IsRegisteredMammogram(result, mammogram))
+  if (IsRegisteredMammogram(result, mammogram))
   {
-    std::fprintf(stderr, "mammoray: note: %s is not the file that was registered\n",
-      mammogram.c_str());
+    return;
   }
+  const Mammogram& searched = result.Mammogram;
+  const std::string view =
+    ReadMammogram(mammogram, { searched.ColumnSpacingMm, searched.View, searched.Laterality }).View;
+  if (view != searched.View)
+  {
+    throw InputError(mammogram + ": expected the mammogram that was registered, " + searched.View +
+      ", found " + view);
+  }
+  std::fprintf(stderr, "mammoray: note: %s is not the file that was registered\n",
+    mammogram.c_str());
 }
 }

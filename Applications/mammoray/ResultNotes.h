@@ -15,7 +15,8 @@ std::string Verdict(const Assessment& trust);
 /// Warns where the match in a registration's folder is doubtful or not to be trusted.
 void WarnOfDistrust(const std::string& folder, const Assessment& trust);
 
-/// Notes if the mammogram is not the file that was registered.
+/// Notes if the mammogram is not the file that was registered. Throws InputError if it is of
+/// another view.
 void NoteOtherMammogram(const ResultFile& result, const std::string& mammogram);
 }
 

@@ -6,6 +6,7 @@
 #include "Files.h"
 #include "ShippedPhantom.h"
 #include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -391,6 +392,13 @@ TEST_F(RegisteredPhantom, WritesItsSyntheticMammogram)
   EXPECT_EQ(test::DicomTextOf(synthetic, 0x0010, 0x0020), "VICTRE-1");
   const Mammogram written = ReadMammogram(synthetic);
   const Mammogram real = ReadMammogram(MammogramFile);
+  Mammogram oblique = real;
+  oblique.View = "MLO";
+  const std::string other = this->Folder.File("mlo.dcm");
+  WriteMammogram(oblique, {}, other);
+  this->ExpectRefused("dicom --result " + this->Result + " --mammogram " + other + " -o " +
+      this->Folder.File("of-mlo.dcm"),
+    "expected the mammogram that was registered, CC, found MLO");
   EXPECT_EQ(written.View, real.View);
   EXPECT_EQ(written.Laterality, real.Laterality);
   EXPECT_EQ(written.ColumnDirection, real.ColumnDirection);

@@ -547,7 +547,7 @@ class Scene(_Part):
 
     def check(self) -> list[str]:
         """Lists the faults of its picture, a sentence each: surfaces that leak, samples that are not seen whole, parts that overlap and
-        count twice (overlap_priority mends it). Takes an exposure; parts are searched on the host."""
+        count twice (overlap_priority mends it). Makes an exposure; parts are searched on the host."""
         native = self._native()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
