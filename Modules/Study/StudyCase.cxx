@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/StudyCase.h"
 
+#include "Private/HeaderRules.h"
 #include "Private/StudyTissues.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
@@ -208,6 +209,29 @@ void HideNames(Study& study)
 }
 }
 
+namespace
+{
+/// Gives views to the mammograms of the side whose headers name none, in their order.
+void FillViews(const std::vector<std::string>& views, std::optional<char> laterality, Study& study)
+{
+  std::size_t used = 0;
+  for (StudyMammogram& image : study.Mammograms)
+  {
+    if (used < views.size() && image.LeftOut == NamesNoView &&
+      (!laterality || image.Header.Laterality == *laterality))
+    {
+      image.Header.View = views[used++];
+      image.LeftOut.clear();
+    }
+  }
+  if (used < views.size())
+  {
+    throw InputError("MammogramViews: expected views of the " + std::to_string(used) +
+      " mammograms of the study whose headers name none, found " + std::to_string(views.size()));
+  }
+}
+}
+
 void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
   const ProgressCallback& progress)
 {
@@ -227,15 +251,22 @@ void TakeStudy(Study study, std::optional<char> laterality, RegistrationCase& in
       image.Header.WhyNoPixelSize.clear();
     }
   }
+  FillViews(input.MammogramViews, laterality, study);
   StudyChoice choice =
     ChooseForRegistration(std::move(study), laterality, input.Series, input.ImagePosition);
   choice.Require();
+  const bool filled = !input.MammogramViews.empty();
   input.Mammograms.clear();
+  input.MammogramViews.clear();
   for (const auto* view : { &choice.Cc, &choice.Mlo })
   {
     if (*view)
     {
       input.Mammograms.push_back((*view)->Header.Path);
+      if (filled)
+      {
+        input.MammogramViews.push_back((*view)->Header.View);
+      }
     }
   }
   input.Laterality = choice.Laterality;

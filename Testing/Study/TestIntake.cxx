@@ -298,6 +298,23 @@ TEST(Intake, AMammogramWithoutThePixelsSizeNeedsIt)
   }
 }
 
+TEST(Intake, AViewThatAHeaderLacksIsTheOneThatIsGiven)
+{
+  MadeUpStudy files;
+  files.AddSlices(MadeUpMr("1.2.4", "t1"), 40);
+  files.Add(MadeUpMammogram("L", "CC").Remove(0x18, 0x5101), "without");
+  files.Add(MadeUpMammogram("L", "MLO"), "with");
+  RegistrationCase input;
+  TakeStudy(files.Folder(), 'L', input, {});
+  EXPECT_THAT(input.Mammograms, ElementsAre(HasSubstr("with")));
+  input.MammogramViews = { "CC" };
+  TakeStudy(files.Folder(), 'L', input, {});
+  EXPECT_THAT(input.Mammograms, ElementsAre(HasSubstr("without"), HasSubstr("with")));
+  EXPECT_THAT(input.MammogramViews, ElementsAre("CC", "MLO"));
+  EXPECT_THAT(RefusalOf([&] { TakeStudy(files.Folder(), 'L', input, {}); }),
+    HasSubstr("expected views of the 1 mammograms"));
+}
+
 TEST(Intake, APhaseAfterContrastIsTakenWithAWarning)
 {
   MadeUpStudy files;

@@ -13,6 +13,9 @@
 
 namespace mammoray
 {
+/// StudyMammogram::LeftOut where nothing else is wrong.
+inline constexpr const char* NamesNoView = "its header names no view";
+
 /// A breast is 100 to 200 mm high and its slices are 1 to 4 mm apart.
 inline constexpr std::size_t FewestSlicesOfBreast = 12;
 

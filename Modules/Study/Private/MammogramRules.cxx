@@ -42,7 +42,7 @@ std::string WhyLeftOut(const DicomHeader& header)
     return "single projection of a tomosynthesis";
   }
   const std::string reason = WhyNotWholeBreast(header);
-  return reason.empty() && header.View.empty() ? "its header names no view" : reason;
+  return reason.empty() && header.View.empty() ? NamesNoView : reason;
 }
 
 /// Seconds of the day of HHMMSS. Negative if there is no time.
