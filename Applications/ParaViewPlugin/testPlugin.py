@@ -91,16 +91,16 @@ logarithm = vtk_to_numpy(picture.GetPointData().GetArray("LogAttenuation"))
 # 52 mm of fat and muscle at about 18 keV, and air beside it.
 assert logarithm.min() == 0 and 2 < logarithm.max() < 5, logarithm.max()
 # Scatter adds to it, a grid takes most of that away; noise is on top.
-xray.Scatter = 1
+xray.Scatter = "kernels"
 xray.UpdatePipeline()
 scattered = vtk_to_numpy(simple.servermanager.Fetch(xray).GetPointData().GetArray("LogAttenuation"))
-xray.Grid = [5, 31, 65]
-xray.PhotonsPerPixel = 1e5
+xray.GridRatio = "5"
+xray.PhotonsPerPixel = "1e5"
 xray.UpdatePipeline()
 behind = vtk_to_numpy(simple.servermanager.Fetch(xray).GetPointData().GetArray("LogAttenuation"))
 middle = logarithm > 0.8 * logarithm.max()
 assert scattered[middle].mean() + 0.05 < behind[middle].mean() < logarithm[middle].mean() - 0.01
-xray.Scatter, xray.Grid, xray.PhotonsPerPixel = 0, [0, 31, 65], 0
+xray.Scatter, xray.GridRatio, xray.PhotonsPerPixel = "", "", ""
 low = numpy.array(picture.GetBounds()[::2])
 assert low[2] < -25, "below the support, in place"
 
