@@ -147,12 +147,6 @@ void Run(DicomArguments& arguments)
     {
       arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
     }
-    if (std::filesystem::exists(arguments.Output) && !std::filesystem::is_empty(arguments.Output))
-    {
-      throw InputError("output " + arguments.Output +
-        ": expected a new or an empty folder, found one with files, which --overwrite does not "
-        "replace either; remove it, or name another one");
-    }
     ReserveEmptyFolder(arguments.Output);
     WriteFolder(arguments, result);
   }

@@ -570,13 +570,7 @@ void Run(ProjectArguments& arguments)
   {
     std::fprintf(stderr, "%s\n", PrefixedLines(warning, "mammoray: warning: ").c_str());
   }
-  if (!overlap.empty())
-  {
-    std::fprintf(stderr,
-      "mammoray: warning: %s; overlap-priority counts parts once, 'mammoray mesh --repair' turns "
-      "the faces of cavities\n",
-      overlap.c_str());
-  }
+  WarnOfOverlap(overlap);
 }
 }
 

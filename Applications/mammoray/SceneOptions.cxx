@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <cstdio>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -148,5 +149,16 @@ SceneDescription ReadSceneArguments(const SceneArguments& arguments)
     CheckInputFile(sample.File);
   }
   return scene;
+}
+
+void WarnOfOverlap(const std::string& overlap)
+{
+  if (!overlap.empty())
+  {
+    std::fprintf(stderr,
+      "mammoray: warning: %s; overlap-priority counts parts once, 'mammoray mesh --repair' turns "
+      "the faces of cavities\n",
+      overlap.c_str());
+  }
 }
 }

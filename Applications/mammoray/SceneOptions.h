@@ -38,6 +38,9 @@ SceneSetting ToSetting(const std::string& text, const std::string& option,
 /// The scene's file, changed by the options. Throws InputError as ReadScene and SetQuantity do, and
 /// where a file of surfaces is missing.
 SceneDescription ReadSceneArguments(const SceneArguments& arguments);
+
+/// Warns of parts that count twice (the text of their measure), unless the text is empty.
+void WarnOfOverlap(const std::string& overlap);
 }
 
 #endif

@@ -138,16 +138,8 @@ std::string DrawSurfaces(const ViewArguments& arguments)
   scene.Samples = { { Assemble(scene) } }; // once, for the overlap and for the X-ray
   if (scene.OverlapPriority.empty())
   {
-    const std::string overlap =
-      MeasureOverlap(*scene.Samples.front().Surface, scene.Source, scene.Detector)
-        .Warning(scene.Materials.Names());
-    if (!overlap.empty())
-    {
-      std::fprintf(stderr,
-        "mammoray: warning: %s; overlap-priority counts parts once, 'mammoray mesh --repair' turns "
-        "the faces of cavities\n",
-        overlap.c_str());
-    }
+    WarnOfOverlap(MeasureOverlap(*scene.Samples.front().Surface, scene.Source, scene.Detector)
+                    .Warning(scene.Materials.Names()));
   }
   return WriteScenePicture(scene, ToPictureOptions(arguments), arguments.Screenshot);
 }

@@ -290,8 +290,9 @@ void ReserveEmptyFolder(const std::string& path)
   std::error_code ignored;
   if (fs::exists(path, ignored) && !IsEmptyFolder(path))
   {
-    throw InputError(
-      "output " + path + ": expected a new or an empty folder, found one with files");
+    throw InputError("output " + path +
+      ": expected a new or an empty folder, found one with files, which is never replaced; remove "
+      "it, or name another one");
   }
   ReserveFolder(path);
 }

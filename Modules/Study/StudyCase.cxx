@@ -207,10 +207,7 @@ void HideNames(Study& study)
     }
   }
 }
-}
 
-namespace
-{
 /// Gives views to the mammograms of the side whose headers name none, in their order.
 void FillViews(const std::vector<std::string>& views, std::optional<char> laterality, Study& study)
 {
